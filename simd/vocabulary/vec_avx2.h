@@ -3,71 +3,30 @@
 #ifndef CELLWALK_SIMD_VEC_AVX2_H
 #define CELLWALK_SIMD_VEC_AVX2_H
 
-#include "cellwalk.h"
-#include "inline.h"
+#define W           8 /* lanes of a register */
+#define X(name)     _mm256_##name
+#define X_INT(name) _mm256_##name##_si256
+#define F32         __m256
+#define F64         __m256d
+#define I32         __m256i
 
-#include <immintrin.h>
-#include <stddef.h>
+#include "vec_x86.h"
 
-#define W 8 /* lanes of a register */
-
-typedef struct float_reg {
-    __m256 v;
-} float_reg;
-typedef struct int_reg {
-    __m256i v;
-} int_reg;
-typedef struct mask_reg {
-    __m256 v;
-} mask_reg;
-
-static inline float_reg rf_set(float a) { return (float_reg){_mm256_set1_ps(a)}; }
-static inline float_reg rf_load(const float *a) { return (float_reg){_mm256_loadu_ps(a)}; }
-static inline void rf_store(float *to, float_reg a) { _mm256_storeu_ps(to, a.v); }
-static inline float_reg rf_add(float_reg a, float_reg b) { return (float_reg){_mm256_add_ps(a.v, b.v)}; }
-static inline float_reg rf_sub(float_reg a, float_reg b) { return (float_reg){_mm256_sub_ps(a.v, b.v)}; }
-static inline float_reg rf_mul(float_reg a, float_reg b) { return (float_reg){_mm256_mul_ps(a.v, b.v)}; }
-static inline float_reg rf_div(float_reg a, float_reg b) { return (float_reg){_mm256_div_ps(a.v, b.v)}; }
 static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) {
     return (float_reg){_mm256_fmadd_ps(a.v, b.v, c.v)};
 }
 static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) {
     return (float_reg){_mm256_fnmadd_ps(a.v, b.v, c.v)};
 }
-static inline float_reg rf_min(float_reg a, float_reg b) { return (float_reg){_mm256_min_ps(a.v, b.v)}; }
-static inline float_reg rf_max(float_reg a, float_reg b) { return (float_reg){_mm256_max_ps(a.v, b.v)}; }
-static inline float_reg rf_abs(float_reg a) { return (float_reg){_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)}; }
-static inline float_reg rf_floor(float_reg a) { return (float_reg){_mm256_floor_ps(a.v)}; }
 
 static inline mask_reg rf_lt(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)}; }
 static inline mask_reg rf_le(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)}; }
 static inline mask_reg rf_gt(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_GT_OQ)}; }
 static inline mask_reg rf_ge(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_GE_OQ)}; }
 static inline mask_reg rf_eq(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ)}; }
-static inline float_reg rf_select(mask_reg m, float_reg a, float_reg b) {
-    return (float_reg){_mm256_blendv_ps(b.v, a.v, m.v)};
-}
 
-static inline int_reg ri_set(int32_t a) { return (int_reg){_mm256_set1_epi32(a)}; }
-static inline void ri_store(int32_t *to, int_reg a) { _mm256_storeu_si256((__m256i *)to, a.v); }
-static inline int_reg ri_add(int_reg a, int_reg b) { return (int_reg){_mm256_add_epi32(a.v, b.v)}; }
-static inline int_reg ri_mul(int_reg a, int_reg b) { return (int_reg){_mm256_mullo_epi32(a.v, b.v)}; }
-static inline int_reg ri_select(mask_reg m, int_reg a, int_reg b) {
-    return (int_reg){_mm256_blendv_epi8(b.v, a.v, _mm256_castps_si256(m.v))};
-}
-static inline int_reg ri_from_rf(float_reg a) { return (int_reg){_mm256_cvttps_epi32(a.v)}; }
-
-static inline float_reg rf_from_ri(int_reg a) { return (float_reg){_mm256_cvtepi32_ps(a.v)}; }
-static inline int_reg ri_load(const int32_t *a) { return (int_reg){_mm256_loadu_si256((const __m256i *)a)}; }
-static inline int_reg ri_and(int_reg a, int_reg b) { return (int_reg){_mm256_and_si256(a.v, b.v)}; }
-static inline int_reg ri_or(int_reg a, int_reg b) { return (int_reg){_mm256_or_si256(a.v, b.v)}; }
-static inline int_reg ri_xor(int_reg a, int_reg b) { return (int_reg){_mm256_xor_si256(a.v, b.v)}; }
-static inline int_reg ri_sub(int_reg a, int_reg b) { return (int_reg){_mm256_sub_epi32(a.v, b.v)}; }
 static inline int_reg ri_shift_right(int_reg a, int_reg by) { return (int_reg){_mm256_srlv_epi32(a.v, by.v)}; }
 static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){_mm256_sllv_epi32(a.v, by.v)}; }
-static inline mask_reg ri_eq(int_reg a, int_reg b) {
-    return (mask_reg){_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.v, b.v))};
-}
 static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
     const __m256i *halves = (const __m256i *)table;
     const __m256 low = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(_mm256_loadu_si256(halves), k.v));
@@ -76,21 +35,6 @@ static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
     return (int_reg){_mm256_castps_si256(_mm256_blendv_ps(low, high, upper))};
 }
 
-static inline int_reg ri_where(mask_reg m, int_reg a) {
-    return (int_reg){_mm256_and_si256(a.v, _mm256_castps_si256(m.v))};
-}
-static inline float_reg rf_flip(float_reg a, float_reg sign) { return (float_reg){_mm256_xor_ps(a.v, sign.v)}; }
-static inline float_reg rf_power_of_2(int_reg k) {
-    return (float_reg){_mm256_castsi256_ps(_mm256_slli_epi32(_mm256_add_epi32(k.v, _mm256_set1_epi32(127)), 23))};
-}
-
-static inline mask_reg rm_and(mask_reg a, mask_reg b) { return (mask_reg){_mm256_and_ps(a.v, b.v)}; }
-static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){_mm256_or_ps(a.v, b.v)}; }
-static inline mask_reg rm_xor(mask_reg a, mask_reg b) { return (mask_reg){_mm256_xor_ps(a.v, b.v)}; }
-static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){_mm256_andnot_ps(b.v, a.v)}; }
-static inline mask_reg rm_not(mask_reg a) {
-    return (mask_reg){_mm256_xor_ps(a.v, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))};
-}
 static inline mask_reg rm_first(size_t n) {
     const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     return (mask_reg){_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32((int32_t)n), lane))};
@@ -100,8 +44,6 @@ static inline mask_reg rm_from_bits(unsigned bits) {
     return (mask_reg){
         _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int32_t)bits), bit), bit))};
 }
-static inline bool rm_any(mask_reg a) { return _mm256_movemask_ps(a.v) != 0; }
-static inline unsigned rm_bits(mask_reg a) { return (unsigned)_mm256_movemask_ps(a.v); }
 
 static inline float_reg rf_gather(const float *base, int_reg index, mask_reg m) {
     return (float_reg){_mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, index.v, m.v, sizeof(float))};
@@ -134,16 +76,6 @@ CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, flo
     const __m256 high = _mm256_insertf128_ps(_mm256_castps128_ps256(q[1]), q[3], 1);
     first->v = _mm256_shuffle_ps(low, high, 0x88);
     second->v = _mm256_shuffle_ps(low, high, 0xdd);
-}
-
-/* 4 × 4 transposes within halves. */
-CW_INLINE void transpose(const __m256 r[4], float_reg out[4]) {
-    const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpackhi_ps(r[0], r[1]);
-    const __m256 c = _mm256_unpacklo_ps(r[2], r[3]), d = _mm256_unpackhi_ps(r[2], r[3]);
-    out[0].v = _mm256_shuffle_ps(a, c, 0x44);
-    out[1].v = _mm256_shuffle_ps(a, c, 0xee);
-    out[2].v = _mm256_shuffle_ps(b, d, 0x44);
-    out[3].v = _mm256_shuffle_ps(b, d, 0xee);
 }
 
 /* Lanes k and k + 4 share a register. Indices are doubled as a vector, so that an address's own factor of 8 makes 16 bytes
@@ -188,8 +120,6 @@ CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v
     }
 }
 
-static inline mask_reg rm_set(bool a) { return (mask_reg){_mm256_castsi256_ps(_mm256_set1_epi32(-(int32_t)a))}; }
-
 /* By eights: a transpose in which each step takes minima. */
 CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
     for (int k = 0; k < 16; k += 8) {
@@ -203,12 +133,6 @@ CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
     }
 }
 
-typedef struct double_reg {
-    __m256d v;
-} double_reg;
-#define DOUBLE_REGS 2
-
-static inline double_reg rd_set(double a) { return (double_reg){_mm256_set1_pd(a)}; }
 static inline double_reg rd_from_rf(float_reg a, int k) {
     return (double_reg){_mm256_cvtps_pd(k == 0 ? _mm256_castps256_ps128(a.v) : _mm256_extractf128_ps(a.v, 1))};
 }
@@ -216,12 +140,6 @@ static inline float_reg rf_from_rd(double_reg low, double_reg high) {
     const __m256 first = _mm256_castps128_ps256(_mm256_cvtpd_ps(low.v));
     return (float_reg){_mm256_insertf128_ps(first, _mm256_cvtpd_ps(high.v), 1)};
 }
-static inline double_reg rd_add(double_reg a, double_reg b) { return (double_reg){_mm256_add_pd(a.v, b.v)}; }
-static inline double_reg rd_sub(double_reg a, double_reg b) { return (double_reg){_mm256_sub_pd(a.v, b.v)}; }
-static inline double_reg rd_mul(double_reg a, double_reg b) { return (double_reg){_mm256_mul_pd(a.v, b.v)}; }
-static inline double_reg rd_div(double_reg a, double_reg b) { return (double_reg){_mm256_div_pd(a.v, b.v)}; }
-static inline double_reg rd_min(double_reg a, double_reg b) { return (double_reg){_mm256_min_pd(a.v, b.v)}; }
-static inline double_reg rd_max(double_reg a, double_reg b) { return (double_reg){_mm256_max_pd(a.v, b.v)}; }
 static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b) {
     const __m256i bits = _mm256_castps_si256(m.v);
     const __m256i wide =

@@ -3,41 +3,26 @@
 #ifndef CELLWALK_SIMD_VEC_AVX512_H
 #define CELLWALK_SIMD_VEC_AVX512_H
 
-#include "cellwalk.h"
-#include "inline.h"
+#define W           16 /* lanes of a register */
+#define X(name)     _mm512_##name
+#define X_INT(name) _mm512_##name##_si512
+#define F32         __m512
+#define F64         __m512d
+#define I32         __m512i
 
-#include <immintrin.h>
-#include <stddef.h>
+#include "vec_x86.h"
 
-#define W 16 /* lanes of a register */
-
-typedef struct float_reg {
-    __m512 v;
-} float_reg;
-typedef struct int_reg {
-    __m512i v;
-} int_reg;
 typedef struct mask_reg {
     __mmask16 v;
 } mask_reg;
 
-static inline float_reg rf_set(float a) { return (float_reg){_mm512_set1_ps(a)}; }
-static inline float_reg rf_load(const float *a) { return (float_reg){_mm512_loadu_ps(a)}; }
-static inline void rf_store(float *to, float_reg a) { _mm512_storeu_ps(to, a.v); }
-static inline float_reg rf_add(float_reg a, float_reg b) { return (float_reg){_mm512_add_ps(a.v, b.v)}; }
-static inline float_reg rf_sub(float_reg a, float_reg b) { return (float_reg){_mm512_sub_ps(a.v, b.v)}; }
-static inline float_reg rf_mul(float_reg a, float_reg b) { return (float_reg){_mm512_mul_ps(a.v, b.v)}; }
-static inline float_reg rf_div(float_reg a, float_reg b) { return (float_reg){_mm512_div_ps(a.v, b.v)}; }
 static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) {
     return (float_reg){_mm512_fmadd_ps(a.v, b.v, c.v)};
 }
 static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) {
     return (float_reg){_mm512_fnmadd_ps(a.v, b.v, c.v)};
 }
-static inline float_reg rf_min(float_reg a, float_reg b) { return (float_reg){_mm512_min_ps(a.v, b.v)}; }
-static inline float_reg rf_max(float_reg a, float_reg b) { return (float_reg){_mm512_max_ps(a.v, b.v)}; }
 static inline float_reg rf_abs(float_reg a) { return (float_reg){_mm512_abs_ps(a.v)}; }
-static inline float_reg rf_floor(float_reg a) { return (float_reg){_mm512_floor_ps(a.v)}; }
 
 static inline mask_reg rf_lt(float_reg a, float_reg b) { return (mask_reg){_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ)}; }
 static inline mask_reg rf_le(float_reg a, float_reg b) { return (mask_reg){_mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ)}; }
@@ -48,21 +33,10 @@ static inline float_reg rf_select(mask_reg m, float_reg a, float_reg b) {
     return (float_reg){_mm512_mask_blend_ps(m.v, b.v, a.v)};
 }
 
-static inline int_reg ri_set(int32_t a) { return (int_reg){_mm512_set1_epi32(a)}; }
-static inline void ri_store(int32_t *to, int_reg a) { _mm512_storeu_si512(to, a.v); }
-static inline int_reg ri_add(int_reg a, int_reg b) { return (int_reg){_mm512_add_epi32(a.v, b.v)}; }
-static inline int_reg ri_mul(int_reg a, int_reg b) { return (int_reg){_mm512_mullo_epi32(a.v, b.v)}; }
 static inline int_reg ri_select(mask_reg m, int_reg a, int_reg b) {
     return (int_reg){_mm512_mask_blend_epi32(m.v, b.v, a.v)};
 }
-static inline int_reg ri_from_rf(float_reg a) { return (int_reg){_mm512_cvttps_epi32(a.v)}; }
 
-static inline float_reg rf_from_ri(int_reg a) { return (float_reg){_mm512_cvtepi32_ps(a.v)}; }
-static inline int_reg ri_load(const int32_t *a) { return (int_reg){_mm512_loadu_si512(a)}; }
-static inline int_reg ri_and(int_reg a, int_reg b) { return (int_reg){_mm512_and_si512(a.v, b.v)}; }
-static inline int_reg ri_or(int_reg a, int_reg b) { return (int_reg){_mm512_or_si512(a.v, b.v)}; }
-static inline int_reg ri_xor(int_reg a, int_reg b) { return (int_reg){_mm512_xor_si512(a.v, b.v)}; }
-static inline int_reg ri_sub(int_reg a, int_reg b) { return (int_reg){_mm512_sub_epi32(a.v, b.v)}; }
 static inline int_reg ri_shift_right(int_reg a, int_reg by) { return (int_reg){_mm512_srlv_epi32(a.v, by.v)}; }
 static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){_mm512_sllv_epi32(a.v, by.v)}; }
 static inline mask_reg ri_eq(int_reg a, int_reg b) { return (mask_reg){_mm512_cmpeq_epi32_mask(a.v, b.v)}; }
@@ -71,12 +45,6 @@ static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
 }
 
 static inline int_reg ri_where(mask_reg m, int_reg a) { return (int_reg){_mm512_maskz_mov_epi32(m.v, a.v)}; }
-static inline float_reg rf_flip(float_reg a, float_reg sign) {
-    return (float_reg){_mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(a.v), _mm512_castps_si512(sign.v)))};
-}
-static inline float_reg rf_power_of_2(int_reg k) {
-    return (float_reg){_mm512_castsi512_ps(_mm512_slli_epi32(_mm512_add_epi32(k.v, _mm512_set1_epi32(127)), 23))};
-}
 
 static inline mask_reg rm_and(mask_reg a, mask_reg b) { return (mask_reg){(__mmask16)(a.v & b.v)}; }
 static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){(__mmask16)(a.v | b.v)}; }
@@ -123,35 +91,22 @@ CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, flo
 }
 #endif
 
-/* Four floats at each of four addresses. */
-CW_INLINE __m512 quarters(const float *a, const float *b, const float *c, const float *d) {
-    const __m512 two = _mm512_insertf32x4(_mm512_castps128_ps512(_mm_loadu_ps(a)), _mm_loadu_ps(b), 1);
-    return _mm512_insertf32x4(_mm512_insertf32x4(two, _mm_loadu_ps(c), 2), _mm_loadu_ps(d), 3);
-}
-/* 4 × 4 transposes within quarters. */
-CW_INLINE void transpose(const __m512 r[4], float_reg out[4]) {
-    const __m512 a = _mm512_unpacklo_ps(r[0], r[1]), b = _mm512_unpackhi_ps(r[0], r[1]);
-    const __m512 c = _mm512_unpacklo_ps(r[2], r[3]), d = _mm512_unpackhi_ps(r[2], r[3]);
-    out[0].v = _mm512_shuffle_ps(a, c, 0x44);
-    out[1].v = _mm512_shuffle_ps(a, c, 0xee);
-    out[2].v = _mm512_shuffle_ps(b, d, 0x44);
-    out[3].v = _mm512_shuffle_ps(b, d, 0xee);
-}
-
 /* Lanes k and k + 4, k + 8, k + 12 share a register. */
-CW_INLINE void rf_gather_quads(const float *base, int_reg index, mask_reg m, float_reg out[4]) {
-    int32_t k[16];
-    __m512 r[4];
-    _mm512_storeu_si512(k, _mm512_maskz_mov_epi32(m.v, index.v));
-    for (int q = 0; q < 4; q++)
-        r[q] = quarters(base + 4 * (ptrdiff_t)k[q], base + 4 * (ptrdiff_t)k[q + 4], base + 4 * (ptrdiff_t)k[q + 8],
-                        base + 4 * (ptrdiff_t)k[q + 12]);
-    transpose(r, out);
-}
 CW_INLINE void rf_load_quads(const float *const at[16], float_reg out[4]) {
     __m512 r[4];
-    for (int q = 0; q < 4; q++) r[q] = quarters(at[q], at[q + 4], at[q + 8], at[q + 12]);
+    for (int q = 0; q < 4; q++) {
+        r[q] = _mm512_insertf32x4(_mm512_castps128_ps512(_mm_loadu_ps(at[q])), _mm_loadu_ps(at[q + 4]), 1);
+        r[q] = _mm512_insertf32x4(r[q], _mm_loadu_ps(at[q + 8]), 2);
+        r[q] = _mm512_insertf32x4(r[q], _mm_loadu_ps(at[q + 12]), 3);
+    }
     transpose(r, out);
+}
+CW_INLINE void rf_gather_quads(const float *base, int_reg index, mask_reg m, float_reg out[4]) {
+    int32_t k[16];
+    const float *at[16];
+    _mm512_storeu_si512(k, _mm512_maskz_mov_epi32(m.v, index.v));
+    for (int q = 0; q < 16; q++) at[q] = base + 4 * (ptrdiff_t)k[q];
+    rf_load_quads(at, out);
 }
 
 /* Members in pairs of two; a hit is three pairs, eight hits are three registers. Unpacking leaves the pairs of lanes 0, 1,
@@ -210,12 +165,6 @@ CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
     _mm512_storeu_ps(out, _mm512_shuffle_f32x4(all, all, 0xd8)); /* 0, 8, 4, 12 and the three after each: in order */
 }
 
-typedef struct double_reg {
-    __m512d v;
-} double_reg;
-#define DOUBLE_REGS 2
-
-static inline double_reg rd_set(double a) { return (double_reg){_mm512_set1_pd(a)}; }
 static inline double_reg rd_from_rf(float_reg a, int k) {
     return (double_reg){_mm512_cvtps_pd(k == 0 ? _mm512_castps512_ps256(a.v) : _mm512_extractf32x8_ps(a.v, 1))};
 }
@@ -223,12 +172,6 @@ static inline float_reg rf_from_rd(double_reg low, double_reg high) {
     const __m512 first = _mm512_castps256_ps512(_mm512_cvtpd_ps(low.v));
     return (float_reg){_mm512_insertf32x8(first, _mm512_cvtpd_ps(high.v), 1)};
 }
-static inline double_reg rd_add(double_reg a, double_reg b) { return (double_reg){_mm512_add_pd(a.v, b.v)}; }
-static inline double_reg rd_sub(double_reg a, double_reg b) { return (double_reg){_mm512_sub_pd(a.v, b.v)}; }
-static inline double_reg rd_mul(double_reg a, double_reg b) { return (double_reg){_mm512_mul_pd(a.v, b.v)}; }
-static inline double_reg rd_div(double_reg a, double_reg b) { return (double_reg){_mm512_div_pd(a.v, b.v)}; }
-static inline double_reg rd_min(double_reg a, double_reg b) { return (double_reg){_mm512_min_pd(a.v, b.v)}; }
-static inline double_reg rd_max(double_reg a, double_reg b) { return (double_reg){_mm512_max_pd(a.v, b.v)}; }
 static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b) {
     return (double_reg){_mm512_mask_blend_pd((__mmask8)(m.v >> 8 * k), b.v, a.v)};
 }

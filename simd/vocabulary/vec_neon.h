@@ -17,6 +17,7 @@
 
 #define W 4 /* lanes of a register */
 
+typedef int32x4_t ints, int_lanes;
 typedef struct float_reg {
     float32x4_t v;
 } float_reg;
@@ -30,10 +31,6 @@ typedef struct mask_reg {
 static inline float_reg rf_set(float a) { return (float_reg){vdupq_n_f32(a)}; }
 static inline float_reg rf_load(const float *a) { return (float_reg){vld1q_f32(a)}; }
 static inline void rf_store(float *to, float_reg a) { vst1q_f32(to, a.v); }
-static inline float_reg rf_add(float_reg a, float_reg b) { return (float_reg){vaddq_f32(a.v, b.v)}; }
-static inline float_reg rf_sub(float_reg a, float_reg b) { return (float_reg){vsubq_f32(a.v, b.v)}; }
-static inline float_reg rf_mul(float_reg a, float_reg b) { return (float_reg){vmulq_f32(a.v, b.v)}; }
-static inline float_reg rf_div(float_reg a, float_reg b) { return (float_reg){vdivq_f32(a.v, b.v)}; }
 static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) { return (float_reg){vfmaq_f32(c.v, a.v, b.v)}; }
 static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) { return (float_reg){vfmsq_f32(c.v, a.v, b.v)}; }
 static inline float_reg rf_min(float_reg a, float_reg b) {
@@ -56,17 +53,11 @@ static inline float_reg rf_select(mask_reg m, float_reg a, float_reg b) {
 
 static inline int_reg ri_set(int32_t a) { return (int_reg){vdupq_n_s32(a)}; }
 static inline void ri_store(int32_t *to, int_reg a) { vst1q_s32(to, a.v); }
-static inline int_reg ri_add(int_reg a, int_reg b) { return (int_reg){vaddq_s32(a.v, b.v)}; }
-static inline int_reg ri_mul(int_reg a, int_reg b) { return (int_reg){vmulq_s32(a.v, b.v)}; }
 static inline int_reg ri_select(mask_reg m, int_reg a, int_reg b) { return (int_reg){vbslq_s32(m.v, a.v, b.v)}; }
 static inline int_reg ri_from_rf(float_reg a) { return (int_reg){vcvtq_s32_f32(a.v)}; }
 
 static inline float_reg rf_from_ri(int_reg a) { return (float_reg){vcvtq_f32_s32(a.v)}; }
 static inline int_reg ri_load(const int32_t *a) { return (int_reg){vld1q_s32(a)}; }
-static inline int_reg ri_and(int_reg a, int_reg b) { return (int_reg){vandq_s32(a.v, b.v)}; }
-static inline int_reg ri_or(int_reg a, int_reg b) { return (int_reg){vorrq_s32(a.v, b.v)}; }
-static inline int_reg ri_xor(int_reg a, int_reg b) { return (int_reg){veorq_s32(a.v, b.v)}; }
-static inline int_reg ri_sub(int_reg a, int_reg b) { return (int_reg){vsubq_s32(a.v, b.v)}; }
 static inline int_reg ri_shift_right(int_reg a, int_reg by) { return (int_reg){vshlq_s32(a.v, vnegq_s32(by.v))}; }
 static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){vshlq_s32(a.v, by.v)}; }
 static inline mask_reg ri_eq(int_reg a, int_reg b) { return (mask_reg){vceqq_s32(a.v, b.v)}; }
@@ -195,10 +186,6 @@ static inline double_reg rd_from_rf(float_reg a, int k) {
 static inline float_reg rf_from_rd(double_reg low, double_reg high) {
     return (float_reg){vcvt_high_f32_f64(vcvt_f32_f64(low.v), high.v)};
 }
-static inline double_reg rd_add(double_reg a, double_reg b) { return (double_reg){vaddq_f64(a.v, b.v)}; }
-static inline double_reg rd_sub(double_reg a, double_reg b) { return (double_reg){vsubq_f64(a.v, b.v)}; }
-static inline double_reg rd_mul(double_reg a, double_reg b) { return (double_reg){vmulq_f64(a.v, b.v)}; }
-static inline double_reg rd_div(double_reg a, double_reg b) { return (double_reg){vdivq_f64(a.v, b.v)}; }
 static inline double_reg rd_min(double_reg a, double_reg b) {
     return (double_reg){vbslq_f64(vcltq_f64(a.v, b.v), a.v, b.v)};
 }

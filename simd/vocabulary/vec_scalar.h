@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The vector vocabulary one lane wide, in plain C. Tests compare the other vocabularies with it, and CPUs without
  * SSE4.2 run it. It also documents the vocabulary: every vec_*.h has the same names with the same meaning, lane by
- * lane, bit for bit.
+ * lane, bit for bit. Words that are operators of C (vf_add, vi_and …) are in vocabulary.h.
  *
  * float_reg, int_reg and mask_reg are three distinct types, so that a mask cannot be used as a number by mistake. Arithmetic
  * is IEEE, rounded once an operation, except in rf_fma and rf_fnma. Comparisons are false on NaN. */
@@ -15,6 +15,7 @@
 
 #define W 1 /* lanes of a register */
 
+typedef int32_t ints, int_lanes;
 typedef struct float_reg {
     float v;
 } float_reg;
@@ -28,14 +29,10 @@ typedef struct mask_reg {
 static inline float_reg rf_set(float a) { return (float_reg){a}; }
 static inline float_reg rf_load(const float *a) { return (float_reg){*a}; } /* W floats, any alignment */
 static inline void rf_store(float *to, float_reg a) { *to = a.v; }
-static inline float_reg rf_add(float_reg a, float_reg b) { return (float_reg){a.v + b.v}; }
-static inline float_reg rf_sub(float_reg a, float_reg b) { return (float_reg){a.v - b.v}; }
-static inline float_reg rf_mul(float_reg a, float_reg b) { return (float_reg){a.v * b.v}; }
-static inline float_reg rf_div(float_reg a, float_reg b) { return (float_reg){a.v / b.v}; }
 /* a b + c and c - a b, rounded once if the instruction set fuses them, else twice. For culling only, never for the
  * numbers of a hit. */
-static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) { return rf_add(rf_mul(a, b), c); }
-static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) { return rf_sub(c, rf_mul(a, b)); }
+static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) { return (float_reg){a.v * b.v + c.v}; }
+static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) { return (float_reg){c.v - a.v * b.v}; }
 /* a < b ? a : b and a > b ? a : b, so b where either is NaN. */
 static inline float_reg rf_min(float_reg a, float_reg b) { return (float_reg){a.v < b.v ? a.v : b.v}; }
 static inline float_reg rf_max(float_reg a, float_reg b) { return (float_reg){a.v > b.v ? a.v : b.v}; }
@@ -52,17 +49,11 @@ static inline float_reg rf_select(mask_reg m, float_reg a, float_reg b) { return
 
 static inline int_reg ri_set(int32_t a) { return (int_reg){a}; }
 static inline void ri_store(int32_t *to, int_reg a) { *to = a.v; }
-static inline int_reg ri_add(int_reg a, int_reg b) { return (int_reg){a.v + b.v}; }
-static inline int_reg ri_mul(int_reg a, int_reg b) { return (int_reg){a.v * b.v}; }
 static inline int_reg ri_select(mask_reg m, int_reg a, int_reg b) { return m.v ? a : b; }
 static inline int_reg ri_from_rf(float_reg a) { return (int_reg){(int32_t)a.v}; } /* toward zero; a within int32 */
 
 static inline float_reg rf_from_ri(int_reg a) { return (float_reg){(float)a.v}; }
 static inline int_reg ri_load(const int32_t *a) { return (int_reg){*a}; }
-static inline int_reg ri_and(int_reg a, int_reg b) { return (int_reg){a.v & b.v}; }
-static inline int_reg ri_or(int_reg a, int_reg b) { return (int_reg){a.v | b.v}; }
-static inline int_reg ri_xor(int_reg a, int_reg b) { return (int_reg){a.v ^ b.v}; }
-static inline int_reg ri_sub(int_reg a, int_reg b) { return (int_reg){a.v - b.v}; }
 static inline int_reg ri_shift_right(int_reg a, int_reg by) {
     return (int_reg){a.v >> by.v};
 } /* a in [0, 2^24], by in [0, 31] */
@@ -139,10 +130,6 @@ static inline double_reg rd_set(double a) { return (double_reg){a}; }
 /* The lanes of register k. */
 static inline double_reg rd_from_rf(float_reg a, int k) { return (void)k, (double_reg){(double)a.v}; }
 static inline float_reg rf_from_rd(double_reg a) { return (float_reg){(float)a.v}; } /* to nearest */
-static inline double_reg rd_add(double_reg a, double_reg b) { return (double_reg){a.v + b.v}; }
-static inline double_reg rd_sub(double_reg a, double_reg b) { return (double_reg){a.v - b.v}; }
-static inline double_reg rd_mul(double_reg a, double_reg b) { return (double_reg){a.v * b.v}; }
-static inline double_reg rd_div(double_reg a, double_reg b) { return (double_reg){a.v / b.v}; }
 static inline double_reg rd_min(double_reg a, double_reg b) {
     return (double_reg){a.v < b.v ? a.v : b.v};
 } /* as rf_min */

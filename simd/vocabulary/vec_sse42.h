@@ -3,89 +3,38 @@
 #ifndef CELLWALK_SIMD_VEC_SSE42_H
 #define CELLWALK_SIMD_VEC_SSE42_H
 
-#include "cellwalk.h"
-#include "inline.h"
+#define W           4 /* lanes of a register */
+#define X(name)     _mm_##name
+#define X_INT(name) _mm_##name##_si128
+#define F32         __m128
+#define F64         __m128d
+#define I32         __m128i
 
-#include <nmmintrin.h>
-#include <stddef.h>
+#include "vec_x86.h"
 
-#define W 4 /* lanes of a register */
-
-typedef struct float_reg {
-    __m128 v;
-} float_reg;
-typedef struct int_reg {
-    __m128i v;
-} int_reg;
-typedef struct mask_reg {
-    __m128 v;
-} mask_reg;
-
-static inline float_reg rf_set(float a) { return (float_reg){_mm_set1_ps(a)}; }
-static inline float_reg rf_load(const float *a) { return (float_reg){_mm_loadu_ps(a)}; }
-static inline void rf_store(float *to, float_reg a) { _mm_storeu_ps(to, a.v); }
-static inline float_reg rf_add(float_reg a, float_reg b) { return (float_reg){_mm_add_ps(a.v, b.v)}; }
-static inline float_reg rf_sub(float_reg a, float_reg b) { return (float_reg){_mm_sub_ps(a.v, b.v)}; }
-static inline float_reg rf_mul(float_reg a, float_reg b) { return (float_reg){_mm_mul_ps(a.v, b.v)}; }
-static inline float_reg rf_div(float_reg a, float_reg b) { return (float_reg){_mm_div_ps(a.v, b.v)}; }
-static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) { return rf_add(rf_mul(a, b), c); }
-static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) { return rf_sub(c, rf_mul(a, b)); }
-static inline float_reg rf_min(float_reg a, float_reg b) { return (float_reg){_mm_min_ps(a.v, b.v)}; }
-static inline float_reg rf_max(float_reg a, float_reg b) { return (float_reg){_mm_max_ps(a.v, b.v)}; }
-static inline float_reg rf_abs(float_reg a) { return (float_reg){_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)}; }
-static inline float_reg rf_floor(float_reg a) { return (float_reg){_mm_floor_ps(a.v)}; }
+static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) { return (float_reg){a.v * b.v + c.v}; }
+static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) { return (float_reg){c.v - a.v * b.v}; }
 
 static inline mask_reg rf_lt(float_reg a, float_reg b) { return (mask_reg){_mm_cmplt_ps(a.v, b.v)}; }
 static inline mask_reg rf_le(float_reg a, float_reg b) { return (mask_reg){_mm_cmple_ps(a.v, b.v)}; }
 static inline mask_reg rf_gt(float_reg a, float_reg b) { return (mask_reg){_mm_cmpgt_ps(a.v, b.v)}; }
 static inline mask_reg rf_ge(float_reg a, float_reg b) { return (mask_reg){_mm_cmpge_ps(a.v, b.v)}; }
 static inline mask_reg rf_eq(float_reg a, float_reg b) { return (mask_reg){_mm_cmpeq_ps(a.v, b.v)}; }
-static inline float_reg rf_select(mask_reg m, float_reg a, float_reg b) {
-    return (float_reg){_mm_blendv_ps(b.v, a.v, m.v)};
-}
 
-static inline int_reg ri_set(int32_t a) { return (int_reg){_mm_set1_epi32(a)}; }
-static inline void ri_store(int32_t *to, int_reg a) { _mm_storeu_si128((__m128i *)to, a.v); }
-static inline int_reg ri_add(int_reg a, int_reg b) { return (int_reg){_mm_add_epi32(a.v, b.v)}; }
-static inline int_reg ri_mul(int_reg a, int_reg b) { return (int_reg){_mm_mullo_epi32(a.v, b.v)}; }
-static inline int_reg ri_select(mask_reg m, int_reg a, int_reg b) {
-    return (int_reg){_mm_blendv_epi8(b.v, a.v, _mm_castps_si128(m.v))};
-}
-static inline int_reg ri_from_rf(float_reg a) { return (int_reg){_mm_cvttps_epi32(a.v)}; }
-
-static inline float_reg rf_from_ri(int_reg a) { return (float_reg){_mm_cvtepi32_ps(a.v)}; }
-static inline int_reg ri_load(const int32_t *a) { return (int_reg){_mm_loadu_si128((const __m128i *)a)}; }
-static inline int_reg ri_and(int_reg a, int_reg b) { return (int_reg){_mm_and_si128(a.v, b.v)}; }
-static inline int_reg ri_or(int_reg a, int_reg b) { return (int_reg){_mm_or_si128(a.v, b.v)}; }
-static inline int_reg ri_xor(int_reg a, int_reg b) { return (int_reg){_mm_xor_si128(a.v, b.v)}; }
-static inline int_reg ri_sub(int_reg a, int_reg b) { return (int_reg){_mm_sub_epi32(a.v, b.v)}; }
 /* SSE4.2 has no shift by a vector: times 2^by, put together as a float. */
 static inline int_reg ri_shift_left(int_reg a, int_reg by) {
-    const __m128 power = _mm_castsi128_ps(_mm_slli_epi32(_mm_add_epi32(by.v, _mm_set1_epi32(127)), 23));
-    return (int_reg){_mm_mullo_epi32(a.v, _mm_cvttps_epi32(power))};
+    return (int_reg){_mm_mullo_epi32(a.v, _mm_cvttps_epi32(rf_power_of_2(by).v))};
 }
-static inline mask_reg ri_eq(int_reg a, int_reg b) { return (mask_reg){_mm_castsi128_ps(_mm_cmpeq_epi32(a.v, b.v))}; }
 /* SSE4.2 has no shift by a vector: times 2^-by in floats, which hold the 24 bits of a and of the product. */
 static inline int_reg ri_shift_right(int_reg a, int_reg by) {
     const __m128 power = _mm_castsi128_ps(_mm_slli_epi32(_mm_sub_epi32(_mm_set1_epi32(127), by.v), 23));
-    return (int_reg){_mm_cvttps_epi32(_mm_mul_ps(_mm_cvtepi32_ps(a.v), power))};
+    return (int_reg){_mm_cvttps_epi32(_mm_cvtepi32_ps(a.v) * power)};
 }
 static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
     return (int_reg){_mm_setr_epi32(table[_mm_cvtsi128_si32(k.v)], table[_mm_extract_epi32(k.v, 1)],
                                     table[_mm_extract_epi32(k.v, 2)], table[_mm_extract_epi32(k.v, 3)])};
 }
 
-static inline int_reg ri_where(mask_reg m, int_reg a) { return (int_reg){_mm_and_si128(a.v, _mm_castps_si128(m.v))}; }
-static inline float_reg rf_flip(float_reg a, float_reg sign) { return (float_reg){_mm_xor_ps(a.v, sign.v)}; }
-static inline float_reg rf_power_of_2(int_reg k) {
-    return (float_reg){_mm_castsi128_ps(_mm_slli_epi32(_mm_add_epi32(k.v, _mm_set1_epi32(127)), 23))};
-}
-
-static inline mask_reg rm_and(mask_reg a, mask_reg b) { return (mask_reg){_mm_and_ps(a.v, b.v)}; }
-static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){_mm_or_ps(a.v, b.v)}; }
-static inline mask_reg rm_xor(mask_reg a, mask_reg b) { return (mask_reg){_mm_xor_ps(a.v, b.v)}; }
-static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){_mm_andnot_ps(b.v, a.v)}; }
-static inline mask_reg rm_not(mask_reg a) { return (mask_reg){_mm_xor_ps(a.v, _mm_castsi128_ps(_mm_set1_epi32(-1)))}; }
 static inline mask_reg rm_first(size_t n) {
     return (mask_reg){_mm_castsi128_ps(_mm_cmpgt_epi32(_mm_set1_epi32((int32_t)n), _mm_setr_epi32(0, 1, 2, 3)))};
 }
@@ -93,8 +42,6 @@ static inline mask_reg rm_from_bits(unsigned bits) {
     const __m128i bit = _mm_setr_epi32(1, 2, 4, 8);
     return (mask_reg){_mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int32_t)bits), bit), bit))};
 }
-static inline bool rm_any(mask_reg a) { return _mm_movemask_ps(a.v) != 0; }
-static inline unsigned rm_bits(mask_reg a) { return (unsigned)_mm_movemask_ps(a.v); }
 
 /* No gather instruction: lanes one by one, those outside m from base[0]. */
 static inline float_reg rf_gather(const float *base, int_reg index, mask_reg m) {
@@ -114,16 +61,6 @@ CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, flo
     high = _mm_loadh_pi(high, (const __m64 *)(base + _mm_extract_epi32(safe, 3)));
     first->v = _mm_shuffle_ps(low, high, 0x88);
     second->v = _mm_shuffle_ps(low, high, 0xdd);
-}
-
-/* A 4 × 4 transpose. */
-CW_INLINE void transpose(const __m128 r[4], float_reg out[4]) {
-    const __m128 a = _mm_unpacklo_ps(r[0], r[1]), b = _mm_unpackhi_ps(r[0], r[1]);
-    const __m128 c = _mm_unpacklo_ps(r[2], r[3]), d = _mm_unpackhi_ps(r[2], r[3]);
-    out[0].v = _mm_movelh_ps(a, c);
-    out[1].v = _mm_movehl_ps(c, a);
-    out[2].v = _mm_movelh_ps(b, d);
-    out[3].v = _mm_movehl_ps(d, b);
 }
 
 CW_INLINE void rf_gather_quads(const float *base, int_reg index, mask_reg m, float_reg out[4]) {
@@ -155,8 +92,6 @@ CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v
     }
 }
 
-static inline mask_reg rm_set(bool a) { return (mask_reg){_mm_castsi128_ps(_mm_set1_epi32(-(int32_t)a))}; }
-
 /* By fours: a transpose in which each step takes minima. */
 CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
     for (int k = 0; k < 16; k += 4) {
@@ -166,24 +101,12 @@ CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
     }
 }
 
-typedef struct double_reg {
-    __m128d v;
-} double_reg;
-#define DOUBLE_REGS 2
-
-static inline double_reg rd_set(double a) { return (double_reg){_mm_set1_pd(a)}; }
 static inline double_reg rd_from_rf(float_reg a, int k) {
     return (double_reg){_mm_cvtps_pd(k == 0 ? a.v : _mm_movehl_ps(a.v, a.v))};
 }
 static inline float_reg rf_from_rd(double_reg low, double_reg high) {
     return (float_reg){_mm_movelh_ps(_mm_cvtpd_ps(low.v), _mm_cvtpd_ps(high.v))};
 }
-static inline double_reg rd_add(double_reg a, double_reg b) { return (double_reg){_mm_add_pd(a.v, b.v)}; }
-static inline double_reg rd_sub(double_reg a, double_reg b) { return (double_reg){_mm_sub_pd(a.v, b.v)}; }
-static inline double_reg rd_mul(double_reg a, double_reg b) { return (double_reg){_mm_mul_pd(a.v, b.v)}; }
-static inline double_reg rd_div(double_reg a, double_reg b) { return (double_reg){_mm_div_pd(a.v, b.v)}; }
-static inline double_reg rd_min(double_reg a, double_reg b) { return (double_reg){_mm_min_pd(a.v, b.v)}; }
-static inline double_reg rd_max(double_reg a, double_reg b) { return (double_reg){_mm_max_pd(a.v, b.v)}; }
 static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b) {
     const __m128 twice = k == 0 ? _mm_unpacklo_ps(m.v, m.v) : _mm_unpackhi_ps(m.v, m.v);
     return (double_reg){_mm_blendv_pd(b.v, a.v, _mm_castps_pd(twice))};

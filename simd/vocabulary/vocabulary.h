@@ -2,8 +2,9 @@
 /* The vector vocabulary: the words of an instruction set (vec_*.h) for vectors of REGISTERS registers each.
  *
  * CELLWALK_VOCABULARY is the header of the instruction set, from simd/isas.cmake. It has W lanes a register, types
- * float_reg, int_reg, mask_reg and double_reg, and the words rf_add, rm_and and so on for one register. Here vf_add is
- * rf_add for each register of a vector, and so for all others. vec_scalar.h says what each word means.
+ * float_reg, int_reg, mask_reg and double_reg, and the words rf_min, rm_and and so on for one register. Here vf_min is
+ * rf_min for each register of a vector, and so for all others, and vf_add is the operator +. vec_scalar.h says what each word
+ * means.
  *
  * Why two registers: a step of the lane walk is one chain of some forty dependent operations, longer than the CPU can look
  * ahead, so one register leaves most of its units idle. Two in lockstep, operation by operation, are two chains at once.
@@ -47,21 +48,21 @@ typedef struct vmask {
     SECOND(mask_reg b;)
 } vmask;
 
-/* Doubles: of(d, half, r) makes member d of the result from the half numbered half of register r. */
+/* Doubles: of(d, half, r, how) makes member d of the result from the half numbered half of register r. */
 #if DOUBLE_REGS == 1
 typedef struct vdouble {
     double_reg d0;
     SECOND(double_reg d1;)
 } vdouble;
-#define DOUBLES(of)                                                                                                    \
-    (vdouble) { of(d0, 0, a) SECOND(, of(d1, 0, b)) }
+#define DOUBLES(of, how)                                                                                               \
+    (vdouble) { of(d0, 0, a, how) SECOND(, of(d1, 0, b, how)) }
 #else
 typedef struct vdouble {
     double_reg d0, d1;
     SECOND(double_reg d2, d3;)
 } vdouble;
-#define DOUBLES(of)                                                                                                    \
-    (vdouble) { of(d0, 0, a), of(d1, 1, a) SECOND(, of(d2, 0, b), of(d3, 1, b)) }
+#define DOUBLES(of, how)                                                                                               \
+    (vdouble) { of(d0, 0, a, how), of(d1, 1, a, how) SECOND(, of(d2, 0, b, how), of(d3, 1, b, how)) }
 #endif
 
 /* A word that does the same in each lane, of one to three vectors. */
@@ -82,7 +83,14 @@ typedef struct vdouble {
         SECOND(of_store(to + W, x.b);)                                                                                 \
     }
 
+/* A word that is an operator of C, which compilers have for vectors too. */
 /* clang-format off: a word a line */
+#define OPERATOR(type, word, sign)                                                                                     \
+    static inline type word(type x, type y) { return (type){{x.a.v sign y.a.v} SECOND(, {x.b.v sign y.b.v})}; }
+#define INTS(x, sign, y)                                                                                               \
+    { (ints)((int_lanes)(x).v sign(int_lanes)(y).v) }
+#define INT_OPERATOR(word, sign)                                                                                       \
+    static inline vint word(vint x, vint y) { return (vint){INTS(x.a, sign, y.a) SECOND(, INTS(x.b, sign, y.b))}; }
 SAME(vfloat, vf_set, rf_set, float)
 SAME(vint, vi_set, ri_set, int32_t)
 SAME(vmask, vm_set, rm_set, bool)
@@ -90,10 +98,10 @@ MEMORY(vfloat, vf_load, rf_load, vf_store, rf_store, float)
 MEMORY(vint, vi_load, ri_load, vi_store, ri_store, int32_t)
 THREE(vfloat, vf_select, rf_select, vmask, vfloat)
 THREE(vint, vi_select, ri_select, vmask, vint)
-TWO(vfloat, vf_add, rf_add, vfloat, vfloat)
-TWO(vfloat, vf_sub, rf_sub, vfloat, vfloat)
-TWO(vfloat, vf_mul, rf_mul, vfloat, vfloat)
-TWO(vfloat, vf_div, rf_div, vfloat, vfloat)
+OPERATOR(vfloat, vf_add, +)
+OPERATOR(vfloat, vf_sub, -)
+OPERATOR(vfloat, vf_mul, *)
+OPERATOR(vfloat, vf_div, /)
 THREE(vfloat, vf_fma, rf_fma, vfloat, vfloat)
 THREE(vfloat, vf_fnma, rf_fnma, vfloat, vfloat)
 TWO(vfloat, vf_min, rf_min, vfloat, vfloat)
@@ -109,12 +117,12 @@ TWO(vmask, vf_le, rf_le, vfloat, vfloat)
 TWO(vmask, vf_gt, rf_gt, vfloat, vfloat)
 TWO(vmask, vf_ge, rf_ge, vfloat, vfloat)
 TWO(vmask, vf_eq, rf_eq, vfloat, vfloat)
-TWO(vint, vi_add, ri_add, vint, vint)
-TWO(vint, vi_sub, ri_sub, vint, vint)
-TWO(vint, vi_mul, ri_mul, vint, vint)
-TWO(vint, vi_and, ri_and, vint, vint)
-TWO(vint, vi_or, ri_or, vint, vint)
-TWO(vint, vi_xor, ri_xor, vint, vint)
+INT_OPERATOR(vi_add, +)
+INT_OPERATOR(vi_sub, -)
+INT_OPERATOR(vi_mul, *)
+INT_OPERATOR(vi_and, &)
+INT_OPERATOR(vi_or, |)
+INT_OPERATOR(vi_xor, ^)
 TWO(vint, vi_shift_left, ri_shift_left, vint, vint)
 TWO(vint, vi_shift_right, ri_shift_right, vint, vint)
 TWO(vint, vi_where, ri_where, vmask, vint)
@@ -124,33 +132,21 @@ TWO(vmask, vm_or, rm_or, vmask, vmask)
 TWO(vmask, vm_xor, rm_xor, vmask, vmask)
 TWO(vmask, vm_andnot, rm_andnot, vmask, vmask)
 ONE(vmask, vm_not, rm_not, vmask)
-#define OF(d, half, r) rd_set(x)
-static inline vdouble vd_set(double x) { return DOUBLES(OF); }
-#undef OF
-#define OF(d, half, r) rd_from_rf(x.r, half)
-static inline vdouble vd_from_vf(vfloat x) { return DOUBLES(OF); }
-#undef OF
-#define OF(d, half, r) rd_select(m.r, half, x.d, y.d)
-static inline vdouble vd_select(vmask m, vdouble x, vdouble y) { return DOUBLES(OF); }
-#undef OF
-#define OF(d, half, r) rd_add(x.d, y.d)
-static inline vdouble vd_add(vdouble x, vdouble y) { return DOUBLES(OF); }
-#undef OF
-#define OF(d, half, r) rd_sub(x.d, y.d)
-static inline vdouble vd_sub(vdouble x, vdouble y) { return DOUBLES(OF); }
-#undef OF
-#define OF(d, half, r) rd_mul(x.d, y.d)
-static inline vdouble vd_mul(vdouble x, vdouble y) { return DOUBLES(OF); }
-#undef OF
-#define OF(d, half, r) rd_div(x.d, y.d)
-static inline vdouble vd_div(vdouble x, vdouble y) { return DOUBLES(OF); }
-#undef OF
-#define OF(d, half, r) rd_min(x.d, y.d)
-static inline vdouble vd_min(vdouble x, vdouble y) { return DOUBLES(OF); }
-#undef OF
-#define OF(d, half, r) rd_max(x.d, y.d)
-static inline vdouble vd_max(vdouble x, vdouble y) { return DOUBLES(OF); }
-#undef OF
+#define SET(d, half, r, word)    word(x)
+#define HALF(d, half, r, word)   word(x.r, half)
+#define SELECT(d, half, r, word) word(m.r, half, x.d, y.d)
+#define BOTH(d, half, r, word)   word(x.d, y.d)
+#define SIGN(d, half, r, sign)                                                                                         \
+    { x.d.v sign y.d.v }
+static inline vdouble vd_set(double x) { return DOUBLES(SET, rd_set); }
+static inline vdouble vd_from_vf(vfloat x) { return DOUBLES(HALF, rd_from_rf); }
+static inline vdouble vd_select(vmask m, vdouble x, vdouble y) { return DOUBLES(SELECT, rd_select); }
+static inline vdouble vd_min(vdouble x, vdouble y) { return DOUBLES(BOTH, rd_min); }
+static inline vdouble vd_max(vdouble x, vdouble y) { return DOUBLES(BOTH, rd_max); }
+static inline vdouble vd_add(vdouble x, vdouble y) { return DOUBLES(SIGN, +); }
+static inline vdouble vd_sub(vdouble x, vdouble y) { return DOUBLES(SIGN, -); }
+static inline vdouble vd_mul(vdouble x, vdouble y) { return DOUBLES(SIGN, *); }
+static inline vdouble vd_div(vdouble x, vdouble y) { return DOUBLES(SIGN, /); }
 #if DOUBLE_REGS == 1
 static inline vfloat vf_from_vd(vdouble x) { return (vfloat){rf_from_rd(x.d0) SECOND(, rf_from_rd(x.d1))}; }
 #else
@@ -164,8 +160,16 @@ static inline vint vi_lookup(const int32_t table[16], vint k) {
 #undef ONE
 #undef TWO
 #undef THREE
+#undef OPERATOR
+#undef INT_OPERATOR
+#undef INTS
 #undef SAME
 #undef MEMORY
+#undef SET
+#undef HALF
+#undef SELECT
+#undef BOTH
+#undef SIGN
 
 static inline vmask vm_first(size_t n) { return (vmask){rm_first(n) SECOND(, rm_first(n < W ? 0 : n - W))}; }
 static inline vmask vm_from_bits(unsigned bits) {

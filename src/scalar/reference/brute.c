@@ -33,14 +33,10 @@ static bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *best
 }
 
 static void trace_all(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    for (size_t k = 0; k < n; k++) {
-        cw_hit hit;
-        const bool found = trace(f, &rays[k], hits == NULL, &hit);
-        if (hits == NULL)
-            occluded[k] = found;
-        else
-            hits[k] = found ? hit : miss();
-    }
+    cw_hit unused;
+    for (size_t k = 0; k < n && hits == NULL; k++) occluded[k] = trace(f, &rays[k], true, &unused);
+    for (size_t k = 0; k < n && hits != NULL; k++)
+        if (!trace(f, &rays[k], false, &hits[k])) hits[k] = miss();
 }
 
 const cw_kernel_code cw_brute = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trace_all}};
