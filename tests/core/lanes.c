@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Every kernel with a cell walk gives the same bits as cell: packets of any width, any later walk, closest and any hit, each leaf
  * test, in calls of any length. There is no tolerance. A row of the table below is a test: a maker of fields, a maker of rays, how
- * many, and how the kernels are compared. lanes PATTERN runs the rows whose names match.
+ * many, and how the kernels are compared. lanes PATTERN… runs the rows whose names match.
  *
  * CELLWALK_TEST_ROUNDS = n takes n times as many fields. With CELLWALK_TEST_COUNTS = FILE the counts of the rows "stress …" are kept
  * for papers/robustness.md. */
@@ -11,6 +11,7 @@
 #include "cellwalk_expert.h"
 #include "check.h"
 #include "paths.h"
+#include "rows.h"
 
 #include <errno.h>
 #include <math.h>
@@ -287,6 +288,5 @@ int main(int argc, char **argv) {
     for (size_t k = 0; k < ROWS; k++)
         tests[k + 1] =
             (struct CMUnitTest){.name = table[k].name, .test_func = test_row, .initial_state = (void *)&table[k]};
-    if (argc > 1) cmocka_set_test_filter(argv[1]);
-    return cmocka_run_group_tests_name("lanes", tests, set_up, tear_down);
+    return rows_run("lanes", tests, ROWS + 1, argc, argv, set_up, tear_down);
 }

@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Answers judged by the exact oracle: no leak, no phantom, no wrong surface, and no touch lost where nothing is rounded. exact PATTERN…
+ * runs the rows of the tables whose names match; tests/CMakeLists.txt makes tests of them:
+ *  - "rays …", a row a class of rays: every kernel and leaf test on fields of every shape and size.
+ *  - "extreme …", named extremes (exact_extremes.c).
+ *  - "all …": every field of 2 × 2, 2 × 3 and 3 × 2 samples with heights 0, 1, 2 or a hole, and of 3 × 3 with heights 0, 1, 2, against
+ *    every ray from a lattice of origins and directions: all the ways in which rays and small fields can touch. Whole numbers and
+ *    halves make most of it exact in float, so the watertight kernels have to name the exact answer but for few ties. The test takes
+ *    all of 2 × 2 and a share of the rest.
+ *
+ * CELLWALK_TEST_ROUNDS = n takes n times as many fields; 1001 takes all small ones. With CELLWALK_TEST_COUNTS = FILE the counts are
+ * kept for papers/robustness.md. */
+
+#include "exact.h"
+
+#include "cellwalk_expert.h"
+#include "check.h"
+#include "rows.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+static FILE *counts_file; /* NULL: not requested */
+
+/* ---- classes of rays --------------------------------------------------------------------------------------------- */
+
+static void test_class(int number) {
+    enum { RAYS = 300, MORE = 4, SIZES = FIELD_SIZES + MORE, FIELDS = SIZES * FIELD_ALL_SHAPES };
+    static const field_size more[MORE] = {{3, 9}, {12, 2}, {9, 9}, {17, 13}};
+    static test_field shape;
+    static cw_ray rays[RAYS];
+    const ray_class kind = (ray_class)number;
+    const size_t n = test_share(RAYS, 10);
+    exact_counts counts = {0};
+    for (size_t k = 0; k < test_rounds() * FIELDS; k++) {
+        if (!test_takes(k + k / SIZES, 4)) continue;
+        const field_size size = k % SIZES < MORE ? more[k % SIZES] : field_sizes[k % SIZES - MORE];
+        random_state r = {(uint64_t)kind + RAY_CLASSES * k};
+        field_make(&shape, (field_shape)(k % FIELDS / SIZES), size.nx, size.ny, 77 + k / FIELDS);
+        for (size_t m = 0; m < n; m++) rays[m] = ray_make(kind, &shape, &r);
+        exact_judge(&shape, rays, n, shape.shape < FIELD_SHAPES ? EVERY_PATH : WATERTIGHT_PATHS, NULL, &counts);
+    }
+    tally_print(ray_class_name(kind), &counts.tally);
+    const bool aims = kind != RAY_IN_PLANE && kind != RAY_NOT_FINITE && kind != RAY_LATTICE && kind != RAY_AFAR;
+    check(!aims || counts.tally.passes > counts.tally.rays / 10, "too few rays pass for the test to mean anything");
+}
+
+/* ---- touches ----------------------------------------------------------------------------------------------------- */
+
+/* A direction of zeros and powers of 2, with a difference of x and y that is one, too. So nothing is rounded. */
+static void even_direction(random_state *r, float d[3]) {
+    static const float powers[] = {0, 0.5f, 1, 2, 4, -0.5f, -1, -2, -4};
+    float apart;
+    do {
+        for (int c = 0; c < 3; c++) d[c] = powers[random_below(r, 9)];
+        apart = fabsf(d[0] - d[1]);
+    } while ((d[0] == 0 && d[1] == 0) || (apart != 0 && exp2f(rintf(log2f(apart))) != apart));
+}
+
+/* A ray through a quarter of an edge or a vertex within the field, where the surface is at p. */
+static cw_ray even_ray(const test_field *f, random_state *r) {
+    const size_t i = 1 + random_below(r, f->nx - 2), j = 1 + random_below(r, f->ny - 2);
+    const float along = 0.25f * (float)random_below(r, 4), back = 0.25f * (float)random_below(r, 40);
+    const size_t way = random_below(r, 3); /* along x, y or the diagonal */
+    const float x = way == 1 ? 0 : along, y = way == 0 ? 0 : along;
+    const size_t next = j * f->nx + i + (way == 0 ? 1 : way == 1 ? f->nx : f->nx + 1);
+    const float low = f->z[j * f->nx + i], z = low + along * (f->z[next] - low);
+    cw_ray ray = {.tmin = random_below(r, 2) ? 0 : -INFINITY, .tmax = INFINITY};
+    const bool inside = i + 1 < f->nx - 1 && j + 1 < f->ny - 1;
+    const float p[3] = {(float)i + (inside ? x : 0), (float)j + (inside ? y : 0), inside ? z : low};
+    even_direction(r, ray.dir);
+    for (int c = 0; c < 3; c++) ray.org[c] = p[c] - back * ray.dir[c];
+    return ray;
+}
+
+/* Whether the ray is traced from its own origin: see "Where a ray starts" in papers/numerics.md. */
+static bool is_near(const cw_field *field, const cw_ray *ray) {
+    const cw_field_info info = cw_field_describe(field);
+    const double middle = ((double)info.low + (double)info.high) / 2, range = (double)info.high - (double)info.low;
+    const double x = (double)(info.nx - 1), y = (double)(info.ny - 1);
+    return fabs((double)ray->org[0] - x / 2) <= x && fabs((double)ray->org[1] - y / 2) <= y &&
+           (range == 0 || fabs((double)ray->org[2] - middle) <= 8 * range);
+}
+
+/* Where no operation rounds, a ray from nearby that touches the surface within the field hits. */
+static void test_touches(int number) {
+    enum { RAYS = 500 };
+    static const field_size sizes[] = {{3, 34}, {9, 9}, {40, 5}, {3, 3}};
+    static test_field f;
+    random_state r = {20261123};
+    size_t touches = 0, lost = 0;
+    (void)number;
+    for (size_t k = 0, n = test_share(400, 40); k < n; k++) {
+        field_make(&f, k & 4 ? FIELD_CHECKER : FIELD_INTEGERS, sizes[k % 4].nx, sizes[k % 4].ny, k);
+        cw_field *field = field_open(&f);
+        oracle *o = oracle_create(f.z, f.nx, f.ny);
+        assert_non_null(o);
+        for (size_t m = 0; m < RAYS; m++) {
+            const cw_ray ray = even_ray(&f, &r);
+            const oracle_truth *truth = oracle_trace(o, &ray);
+            const double x = (double)ray.org[0] + truth->t * (double)ray.dir[0],
+                         y = (double)ray.org[1] + truth->t * (double)ray.dir[1];
+            if (!is_near(field, &ray) || !truth->hit || truth->strict_pass || x <= 0 || y <= 0 ||
+                x >= (double)(f.nx - 1) || y >= (double)(f.ny - 1))
+                continue;
+            cw_hit hit;
+            const cw_run query = {.expert.kernel = cw_kernel_find("cell"), .expert.leaf = CW_LEAF_WATERTIGHT};
+            check_status(cw_closest(field, &query, &ray, 1, &hit), CW_OK);
+            touches++;
+            if (hit.i >= 0 && fabs((double)hit.t - truth->t) == 0) continue;
+            if (lost++ > 1) continue;
+            const judgement j = oracle_judge(o, &hit);
+            tally_explain(&f, &ray, &hit, truth, &j);
+        }
+        oracle_destroy(o);
+        cw_field_destroy(field);
+    }
+    printf("%zu touches within the field, %zu lost\n", touches, lost);
+    check(lost == 0, "%zu touches are lost", lost);
+    check(touches > 1000, "too few touches for the test to mean anything");
+}
+
+/* ---- all small fields -------------------------------------------------------------------------------------------- */
+
+/* Origins from -1/2 to half a cell beyond the field in steps of a half, heights from -1 to 3; directions of -2 … 2. */
+static cw_ray *make_lattice(field_size size, size_t *n) {
+    const size_t along_x = 2 * size.nx + 1, along_y = 2 * size.ny + 1, places = along_x * along_y * 5;
+    cw_ray *rays = malloc(places * 124 * 2 * sizeof *rays);
+    assert_non_null(rays);
+    *n = 0;
+    for (size_t p = 0; p < places; p++)
+        for (int d = 0; d < 125; d++) {
+            if (d == 62) continue; /* no direction */
+            const float x = 0.5f * (float)(p % along_x) - 0.5f, y = 0.5f * (float)(p / along_x % along_y) - 0.5f;
+            cw_ray ray = {.org = {x, y, (float)(p / along_x / along_y) - 1},
+                          .dir = {(float)(d % 5 - 2), (float)(d / 5 % 5 - 2), (float)(d / 25 - 2)},
+                          .tmax = INFINITY};
+            rays[(*n)++] = ray;
+            ray.tmin = -0.5f;
+            ray.tmax = 0.5f;
+            rays[(*n)++] = ray;
+        }
+    return rays;
+}
+
+static bool whole(double x) { return fabs(x - rint(x)) < 1e-9; }
+
+static size_t rims, thirds; /* of ties, by their excuse */
+
+/* Ties are allowed for a reason: the exact hit lies on an edge or vertex that holes or the outside share (papers/numerics.md), or
+ * dx - dy is 3 or -3, so a diagonal is crossed at a t that is no float. */
+static bool excused_tie(const cw_ray *ray, const oracle_truth *truth) {
+    const double x = (double)ray->org[0] + truth->t * (double)ray->dir[0];
+    const double y = (double)ray->org[1] + truth->t * (double)ray->dir[1];
+    const unsigned all = whole(x) && whole(y) ? 6 : whole(x) || whole(y) || whole(x - y) ? 2 : 1;
+    const bool rim = truth->hit && truth->at < all, third = fabsf(ray->dir[0] - ray->dir[1]) == 3;
+    rims += rim;
+    thirds += !rim && third;
+    return rim || third;
+}
+
+static const struct {
+    field_size size;
+    size_t heights; /* how many of them */
+    size_t one_in;  /* fields, if CELLWALK_TEST_ROUNDS = 1. CELLWALK_TEST_DIVIDE is heeded too */
+} small[] = {{{2, 2}, 4, 1}, {{2, 3}, 4, 211}, {{3, 2}, 4, 211}, {{3, 3}, 3, 1001}};
+
+static void test_small_fields(int which) {
+    static const float heights[] = {0, 1, 2, NAN};
+    static test_field f = {.shape = FIELD_INTEGERS};
+    const field_size size = small[which].size;
+    const size_t base = small[which].heights, every = small[which].one_in * test_divisor(), rounds = test_rounds(),
+                 step = rounds < every ? every / rounds : 1;
+    exact_counts counts = {0};
+    size_t fields = 0, all_fields = 1, n;
+    for (size_t k = 0; k < size.nx * size.ny; k++) all_fields *= base;
+    cw_ray *rays = make_lattice(size, &n);
+    rims = thirds = 0;
+    f.nx = size.nx;
+    f.ny = size.ny;
+    for (size_t number = 0; number < all_fields; number += step, fields++) {
+        size_t rest = number;
+        for (size_t k = 0; k < size.nx * size.ny; k++, rest /= base) f.z[k] = heights[rest % base];
+        const bool all = fields < 256 || fields % 16 == 0; /* they take as long as the oracle */
+        exact_judge(&f, rays, n, all ? WATERTIGHT_PATHS : CELL_ALONE, excused_tie, &counts);
+    }
+    free(rays);
+    const tally *t = &counts.tally;
+    const size_t *v = t->verdict;
+    tally_print("all rays", t);
+    printf("  %zu of %zu fields; ties: %zu on the rim of a hole or of the field, %zu because a third is no float\n",
+           fields, all_fields, rims, thirds);
+    if (counts_file)
+        fprintf(
+            counts_file,
+            "{\"kind\": \"exhaustive\", \"field\": \"%zu x %zu\", \"heights\": \"%s\", \"fields\": %zu, "
+            "\"all_fields\": %zu, \"rays\": %zu, \"hits\": %zu, \"pass\": %zu, \"right\": %zu, \"tie\": %zu, "
+            "\"rims\": %zu, \"thirds\": %zu, \"leak\": %zu, \"phantom\": %zu, \"wrong_surface\": %zu, \"same_bits\": "
+            "%zu}\n",
+            size.nx, size.ny, base == 4 ? "0, 1, 2, hole" : "0, 1, 2", fields, all_fields, t->rays, t->hits, t->passes,
+            v[VERDICT_RIGHT], v[VERDICT_TIE], rims, thirds, v[VERDICT_LEAK], v[VERDICT_PHANTOM],
+            v[VERDICT_WRONG_SURFACE], counts.answers);
+    check(t->hits > t->rays / 50, "too few hits for the test to mean anything");
+    check(counts.answers > t->rays / fields, "no kernel was compared with the one that was judged");
+}
+
+/* ---- the table --------------------------------------------------------------------------------------------------- */
+
+static const exact_row table[] = {
+    {"rays random", "through the field's box: the exact answer", test_class, RAY_RANDOM},
+    {"rays through vertices", "a hit: all six triangles see the same sign", test_class, RAY_VERTEX},
+    {"rays through cell borders", "a hit: both triangles see the same sign", test_class, RAY_EDGE},
+    {"rays through diagonals", "a hit: both triangles see the same sign", test_class, RAY_DIAGONAL},
+    {"rays along edges", "a hit in one of the two triangles, the first on the walk; a touch is a hit", test_class,
+     RAY_ALONG},
+    {"rays parallel to an axis", "the exact answer; a crossing that never comes decides nothing", test_class, RAY_AXIS},
+    {"rays straight up and down", "the exact answer, on samples, edges and diagonals too: no crossing is rounded",
+     test_class, RAY_VERTICAL},
+    {"rays at 1 to 10^-6 degrees", "a hit within the bound on t, which grows as the angle shrinks", test_class,
+     RAY_GRAZING},
+    {"rays within a triangle's plane", "a hit where the field or the range begins; Möller-Trumbore: a miss", test_class,
+     RAY_IN_PLANE},
+    {"rays from up to 1000 cells", "a hit within the bounds, which do not grow with the distance", test_class,
+     RAY_OUTSIDE},
+    {"rays from up to 10^8 cells", "a hit within the bounds, which do not grow with the distance", test_class, RAY_FAR},
+    {"rays from 10^25 times the heights", "a hit within the bounds", test_class, RAY_AFAR},
+    {"rays from 10^-4 to 2 cells", "t to half a unit in the last place, and u and v", test_class, RAY_NEAR},
+    {"rays with components of 2^-70 of others", "the exact answer; all walks find the same", test_class, RAY_TINY},
+    {"rays with zero and denormal components", "up to 2^-128 a component counts as zero", test_class, RAY_ZEROS},
+    {"rays of any length", "beyond 2^126 a component counts as infinite", test_class, RAY_SCALED},
+    {"rays that begin or end on the surface", "closed ranges: a hit at either end", test_class, RAY_RANGE},
+    {"rays with ranges from far behind", "the exact answer", test_class, RAY_BEHIND},
+    {"rays that are moved", "the exact answer, with the range moved along", test_class, RAY_MOVED},
+    {"rays of halves and whole numbers", "the exact answer; ties are exact", test_class, RAY_LATTICE},
+    {"rays with NaN or infinity", "a miss with a NaN anywhere or an infinite origin or direction", test_class,
+     RAY_NOT_FINITE},
+    {"rays that touch, unrounded", NULL, test_touches, 0},
+    {"all 2 x 2", NULL, test_small_fields, 0},
+    {"all 2 x 3", NULL, test_small_fields, 1},
+    {"all 3 x 2", NULL, test_small_fields, 2},
+    {"all 3 x 3", NULL, test_small_fields, 3},
+};
+
+static void test_row(void **state) {
+    const exact_row *row = *state;
+    exact_begin_row(row);
+    row->test(row->number);
+}
+
+static int set_up(void **state) {
+    (void)state;
+    const char *where = getenv("CELLWALK_TEST_COUNTS");
+    exact_path_count = paths_find(exact_paths);
+    if (where == NULL ||
+        ((counts_file = fopen(where, "w")) && fputs("{\"kind\": \"run\", \"command\": \"exact\"}\n", counts_file) >= 0))
+        return 0;
+    print_error("%s: %s\n", where, strerror(errno));
+    return -1;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    return counts_file == NULL || (exact_write_counts(counts_file) && fclose(counts_file) == 0) ? 0 : -1;
+}
+
+int main(int argc, char **argv) {
+    enum { ROWS = sizeof table / sizeof table[0], ROWS_MAX = 64 };
+    struct CMUnitTest tests[ROWS_MAX];
+    const size_t n = ROWS + exact_extremes_count;
+    for (size_t k = 0; k < n; k++) {
+        const exact_row *row = k < ROWS ? &table[k] : &exact_extremes[k - ROWS];
+        tests[k] = (struct CMUnitTest){.name = row->name, .test_func = test_row, .initial_state = (void *)row};
+    }
+    return rows_run("exact", tests, n, argc, argv, set_up, tear_down);
+}

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The tests of exact.c are rows of tables. Each puts fields and rays before kernels and leaf tests, and the exact oracle judges. */
+#ifndef CELLWALK_TESTS_EXACT_ANSWERS_H
+#define CELLWALK_TESTS_EXACT_ANSWERS_H
+
+#include "paths.h"
+#include "rays.h"
+#include "tally.h"
+
+#include <stdio.h>
+
+/* What is expected of watertight kernels: no leak, no phantom, no wrong surface, and t, u and v as good as they have to be. Of
+ * Möller-Trumbore: the same, but that rounding may let a ray slip through at an edge, and decides about triangles that the ray is all
+ * but parallel to; it never hits a triangle whose plane the ray lies in. */
+typedef struct exact_row {
+    const char *name, *expected; /* expected: what more there is to say; NULL: not counted for papers/robustness.md */
+    void (*test)(int number);
+    int number; /* the test's argument */
+} exact_row;
+
+extern const exact_row exact_extremes[];
+extern const size_t exact_extremes_count;
+
+/* Every kernel that this machine runs with every leaf test that it takes. */
+extern path exact_paths[PATHS_MAX];
+extern size_t exact_path_count;
+
+typedef enum exact_choice { EVERY_PATH, WATERTIGHT_PATHS, CELL_ALONE } exact_choice;
+
+/* What the oracle said of cell's watertight answers, and how many other answers had the same bits. */
+typedef struct exact_counts {
+    tally tally;
+    size_t answers;
+} exact_counts;
+
+/* Traces n rays for the closest and for any hit, and judges all answers. The test fails at one that is not as expected. Samples may be
+ * infinite. tie: whether a tie is excused; NULL: it is. Adds to counts. */
+typedef bool tie_rule(const cw_ray *ray, const oracle_truth *truth);
+void exact_judge(const test_field *f, const cw_ray *rays, size_t n, exact_choice paths, tie_rule *tie,
+                 exact_counts *counts);
+
+/* One ray on a small field given by its samples, with the t that each path has to find; infinity is a miss. */
+typedef struct exact_case {
+    const char *what;
+    size_t nx, ny;
+    const float *z;
+    cw_ray ray;
+    float watertight, moller_trumbore;
+} exact_case;
+void exact_expect(const exact_case *c);
+
+/* Every path finds the same bits for rays on field a as for same_rays on field b. except_grid leaves out the 3D grid. Returns the
+ * hits. */
+size_t exact_compare(const cw_field *a, const cw_ray *rays, const cw_field *b, const cw_ray *same_rays, size_t n,
+                     bool except_grid, const char *what);
+
+/* n more answers of path p that are as expected. */
+void exact_count(size_t p, size_t n);
+
+/* To stdout, as a sum of the row that runs. */
+void exact_begin_row(const exact_row *row);
+/* Writes the counts of all rows that ran, a line of JSON for each row and path. */
+bool exact_write_counts(FILE *to);
+
+#endif

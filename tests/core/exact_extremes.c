@@ -1,0 +1,375 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Named extremes, each a row, for every kernel that this machine runs and every leaf test. */
+
+#include "exact.h"
+
+#include "cellwalk_expert.h"
+#include "check.h"
+#include "fp_register.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { RAYS = 200 };
+static test_field f, other;
+static cw_ray rays[RAYS], other_rays[RAYS];
+
+/* ---- single rays with known answers ------------------------------------------------------------------------------ */
+
+static const float level[9] = {0}, one[9] = {1, 1, 1, 1, 1, 1, 1, 1, 1}, two[9] = {2, 2, 2, 2, 2, 2, 2, 2, 2};
+static const float ridge[9] = {0, 1, 0, 0, 1, 0, 0, 1, 0}, crest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                   slope[4] = {0, 2, 0, 2};
+
+#define MISS    INFINITY
+#define LONGEST 0x1p126f
+#define BEYOND  0x1.000002p126f
+#define END_T   (3e38f / LONGEST)
+#define BACK    -0x1.ep126f /* 0.9375 of the limit of t */
+
+static const exact_case zeros[] = {
+    {"no direction", 2, 2, level, {{0.25f, 0.5f, 1}, -INFINITY, {0, 0, 0}, INFINITY}, MISS, MISS},
+    {"as good as none", 2, 2, level, {{0.25f, 0.5f, 1}, -INFINITY, {0, 0, -0x1p-128f}, INFINITY}, MISS, MISS},
+    {"-0, a denormal", 2, 2, level, {{0.25f, 0.5f, 1}, -INFINITY, {-0.0f, 0x1p-149f, -1}, INFINITY}, 1, 1},
+    {"counts as zero", 2, 2, level, {{0.25f, 0.5f, 1}, -INFINITY, {-0.0f, -0x1p-128f, -1}, INFINITY}, 1, 1},
+};
+
+/* Up to 2^126, beyond which a reciprocal is denormal and a difference of two components may overflow. */
+static const exact_case lengths[] = {
+    {"the longest", 2, 2, level, {{0.25f, 0.5f, 1}, -INFINITY, {0, 0, -LONGEST}, INFINITY}, 0x1p-126f, 0x1p-126f},
+    {"too long in z", 2, 2, level, {{0.25f, 0.5f, 1}, -INFINITY, {0, 0, -BEYOND}, INFINITY}, MISS, MISS},
+    {"too long in x", 2, 2, level, {{0.25f, 0.5f, 1}, -INFINITY, {BEYOND, 0, -1}, INFINITY}, MISS, MISS},
+    {"too long in y", 2, 2, level, {{0.25f, 0.5f, 1}, -INFINITY, {0, -FLT_MAX, -1}, INFINITY}, MISS, MISS},
+};
+
+/* A ray exactly above an edge is over both of its triangles; one within the edge touches both all along, in the planes of both. */
+static const exact_case edges[] = {
+    {"down onto a ridge", 3, 3, ridge, {{1, -1, 2}, 0, {0, 1, -0.5f}, INFINITY}, 2, 2},
+    {"down onto diagonals", 3, 3, crest, {{-1, -1, 2}, 0, {1, 1, -0.5f}, INFINITY}, 2, 2},
+    {"along a ridge", 3, 3, ridge, {{1, -1, 1}, 0, {0, 1, 0}, INFINITY}, 1, MISS},
+};
+
+/* A ray in the plane of a flat field hits where it enters the field or where its t-range begins. Möller-Trumbore's determinant is
+ * zero: it misses. */
+static const exact_case planes[] = {
+    {"in the plane along x", 3, 3, two, {{-1, 0.5f, 2}, 0, {1, 0, 0}, INFINITY}, 1, MISS},
+    {"in the plane, from inside", 3, 3, two, {{-1, 0.5f, 2}, 1.5f, {1, 0, 0}, INFINITY}, 1.5f, MISS},
+    {"in the plane, a point", 3, 3, two, {{-1, 0.5f, 2}, 1.5f, {1, 0, 0}, 1.5f}, 1.5f, MISS},
+    {"in the plane along the diagonal", 3, 3, two, {{-1, -1, 2}, 0, {1, 1, 0}, INFINITY}, 1, MISS},
+    {"just above the plane", 3, 3, two, {{-1, -1, 0x1.000002p1f}, 0, {1, 1, 0}, INFINITY}, MISS, MISS},
+};
+
+static const exact_case far[] = {
+    {"from far above", 2, 2, level, {{0.25f, 0.5f, 1e8f}, 0, {0, 0, -1}, INFINITY}, 1e8f, 1e8f},
+    {"from far away", 2, 2, level, {{-1e8f, 0.5f, 1e8f}, 0, {1, 0, -1}, INFINITY}, 1e8f, 1e8f},
+    {"from the end", 2, 2, level, {{0.25f, 0.5f, 3e38f}, 0, {0, 0, -LONGEST}, INFINITY}, END_T, END_T},
+    {"a t that is clamped", 2, 2, level, {{0.25f, 0.5f, 3e38f}, 0, {0, 0, -1}, INFINITY}, MISS, MISS},
+    /* The ray comes into the field at -1.75 times the limit of t, and meets the surface at x = 0.8125. */
+    {"far behind", 2, 2, slope, {{1.75f, 0.25f, 1.625f}, -INFINITY, {0x1p-127f, 0, 0}, INFINITY}, BACK, BACK},
+};
+
+static const exact_case behind_holes[] = {
+    {"above all that there is", 4, 2, level, {{0.5f, 0.5f, 1}, 0, {1, 0, 0}, INFINITY}, MISS, MISS},
+    {"through holes onto what lies behind", 4, 2, level, {{0, 0.5f, 2.5f}, 0, {1, 0, -1}, INFINITY}, 2.5f, 2.5f},
+};
+
+enum { ZEROS, LENGTHS, EDGES, PLANES, FAR };
+#define TABLE(cases)                                                                                                   \
+    { cases, sizeof cases / sizeof cases[0] }
+static const struct {
+    const exact_case *cases;
+    size_t n;
+} tables[] = {[ZEROS] = TABLE(zeros),
+              [LENGTHS] = TABLE(lengths),
+              [EDGES] = TABLE(edges),
+              [PLANES] = TABLE(planes),
+              [FAR] = TABLE(far)};
+
+static void test_table(int number) {
+    for (size_t k = 0; k < tables[number].n; k++) exact_expect(&tables[number].cases[k]);
+}
+
+/* On every sample, edge and diagonal of a level field: exact, and for Möller-Trumbore too, since all is whole. */
+static void test_vertical(int number) {
+    static const float ends[][2] = {{0, INFINITY}, {-INFINITY, INFINITY}, {-INFINITY, 2}, {2, 2}};
+    (void)number;
+    for (int k = 0; k < 25 * 4 * 2; k++) {
+        const int place = k / 8, range = k / 2 % 4, down = k % 2;
+        exact_expect(&(exact_case){"vertical",
+                                   3,
+                                   3,
+                                   one,
+                                   {{0.5f * (float)(place % 5), 0.5f * (float)(place / 5), down ? 3 : -1},
+                                    ends[range][0],
+                                    {0, 0, down ? -1 : 1},
+                                    ends[range][1]},
+                                   2,
+                                   2});
+    }
+}
+
+/* A t-range is closed: a hit at its very ends counts, one float beyond does not. */
+static void test_ends(int number) {
+    const float up = nextafterf(2, 3), below = nextafterf(2, 1);
+    const float ends[][2] = {{2, 2}, {2, 9}, {0, 2}, {-1, up}, {below, 5}, {up, 9}, {0, below}, {3, 1}};
+    (void)number;
+    for (int k = 0; k < 8; k++) {
+        const float t = k < 5 ? 2 : INFINITY;
+        exact_expect(
+            &(exact_case){"vertical", 2, 2, one, {{0.75f, 0.25f, 3}, ends[k][0], {0, 0, -1}, ends[k][1]}, t, t});
+        exact_expect(&(exact_case){"slanted", 2, 2, one, {{-1.5f, 0.5f, 3}, ends[k][0], {1, 0, -1}, ends[k][1]}, t, t});
+    }
+}
+
+static void test_not_finite(int number) {
+    static const float odd[] = {NAN, INFINITY, -INFINITY};
+    const exact_case good = {"an ordinary ray", 2, 2, one, {{0.25f, 0.5f, 3}, 0, {0.125f, -0.125f, -1}, 100}, 2, 2};
+    (void)number;
+    exact_expect(&good);
+    for (size_t part = 0; part < 8; part++)
+        for (int kind = 0; kind < 3; kind++) {
+            exact_case c = good;
+            float parts[8];
+            memcpy(parts, &good.ray, sizeof parts);
+            parts[part] = odd[kind];
+            memcpy(&c.ray, parts, sizeof parts);
+            const bool hits = (part == 3 && kind == 2) || (part == 7 && kind == 1); /* tmin = -inf, tmax = inf */
+            c.what = "one number that is not finite";
+            c.watertight = c.moller_trumbore = hits ? 2 : INFINITY;
+            exact_expect(&c);
+        }
+}
+
+/* A triangle with a hole at a vertex does not exist: rays pass through it, and through nothing else. */
+static void test_holes(int number) {
+    static const float kinds[] = {NAN, INFINITY, -INFINITY};
+    for (int kind = number ? 1 : 0; kind < (number ? 3 : 1); kind++) {
+        for (int hole = 0; hole < 4; hole++) {
+            float z[4] = {1, 1, 1, 1};
+            z[hole] = kinds[kind];
+            const float a = hole == 2 ? 2 : INFINITY,
+                        b = hole == 1 ? 2 : INFINITY; /* samples (0,0) and (1,1) belong to both */
+            exact_expect(
+                &(exact_case){"a hole under triangle A", 2, 2, z, {{0.75f, 0.25f, 3}, 0, {0, 0, -1}, INFINITY}, a, a});
+            exact_expect(
+                &(exact_case){"a hole under triangle B", 2, 2, z, {{0.25f, 0.75f, 3}, 0, {0, 0, -1}, INFINITY}, b, b});
+        }
+        for (int k = 0; k < 2; k++) {
+            exact_case c = behind_holes[k];
+            const float z[8] = {0, kinds[kind], 0, 0, 0, kinds[kind], 0, 0};
+            c.z = z;
+            exact_expect(&c);
+        }
+    }
+}
+
+/* ---- many rays --------------------------------------------------------------------------------------------------- */
+
+static void judge(size_t n, exact_counts *counts) { exact_judge(&f, rays, n, EVERY_PATH, NULL, counts); }
+
+/* Down on a level field, 10^-6 degrees and 2^-25: exact in float, so the crossing is where it has to be. */
+static void test_grazing(int number) {
+    exact_counts counts = {0};
+    (void)number;
+    field_make(&f, FIELD_FLAT, 65, 65, 1);
+    rays[0] = (cw_ray){{-10, 31.5f, 0.375f + 0x1p-20f}, 0, {1, 0, -0x1p-25f}, INFINITY};
+    judge(1, &counts);
+    assert_int_equal(counts.tally.hits, 1);
+}
+
+/* Nothing rounds differently, so all but z is the same in every bit. */
+static void test_scaled_heights(int number) {
+    static const ray_class kinds[] = {RAY_RANDOM, RAY_VERTEX, RAY_EDGE, RAY_GRAZING, RAY_VERTICAL, RAY_OUTSIDE};
+    random_state r = {60};
+    (void)number;
+    for (int power = -60; power <= 60; power += 120) {
+        field_make(&f, FIELD_RANDOM, 31, 12, 60);
+        other = f;
+        for (size_t k = 0; k < f.nx * f.ny; k++) other.z[k] = ldexpf(f.z[k], power);
+        for (size_t k = 0; k < RAYS; k++) {
+            rays[k] = other_rays[k] = ray_make(kinds[k % 6], &f, &r);
+            other_rays[k].org[2] = ldexpf(rays[k].org[2], power);
+            other_rays[k].dir[2] = ldexpf(rays[k].dir[2], power);
+        }
+        cw_field *a = field_open(&f), *b = field_open(&other);
+        /* The 3D grid's voxels depend on the field's proportions. */
+        check(exact_compare(a, rays, b, other_rays, RAYS, true, "other heights") > 0, "no ray hits");
+        cw_field_destroy(a);
+        cw_field_destroy(b);
+    }
+}
+
+/* By the oracle, which reads the infinities as they are, and bit for bit as NaN. */
+static void test_infinite_samples(int number) {
+    random_state r = {17};
+    size_t hits = 0;
+    exact_counts counts = {0};
+    test_holes(number);
+    for (size_t s = 0; s < FIELD_SIZES; s++) {
+        field_make(&other, FIELD_HOLES, field_sizes[s].nx, field_sizes[s].ny, s);
+        f = other;
+        for (size_t k = 0, n = 0; k < f.nx * f.ny; k++)
+            if (isnan(f.z[k])) f.z[k] = n++ % 2 ? INFINITY : -INFINITY;
+        cw_field *a = field_open(&other), *b = field_open_copied(&f);
+        for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make((ray_class)(k % RAY_CLASSES), &other, &r);
+        judge(RAYS, &counts);
+        hits += exact_compare(a, rays, b, rays, RAYS, false, "infinite samples instead of NaN");
+        cw_field_destroy(a);
+        cw_field_destroy(b);
+    }
+    check(hits > 0, "no ray hits");
+}
+
+/* A ray whose t at a place on the surface or near it is up to 1.3 times the limit, on either side of the origin. */
+static cw_ray ray_to_the_limit(random_state *r) {
+    const size_t i = random_below(r, f.nx), j = random_below(r, f.ny);
+    const double height = (double)f.z[j * f.nx + i], side = (double)(f.nx + f.ny);
+    const double at[3] = {(double)i + random_unit(r) - 0.5, (double)j + random_unit(r) - 0.5,
+                          isfinite(height) ? height : 0};
+    const double away = side * exp2(4 * random_unit(r) - 2), limit = (double)FLT_MAX / 2;
+    const double t = (0.05 + 1.25 * random_unit(r)) * (random_below(r, 2) ? limit : -limit);
+    cw_ray ray = {.tmin = -INFINITY, .tmax = INFINITY};
+    for (int c = 0; c < 3; c++) {
+        const double part = random_below(r, 4) == 0 ? 0 : 2 * random_unit(r) - 1;
+        ray.org[c] = (float)(at[c] - away * part);
+        ray.dir[c] = (float)(away * part / t);
+    }
+    return ray;
+}
+
+static void test_limit_of_t(int number) {
+    random_state r = {20261124};
+    exact_counts counts = {0};
+    const size_t n = test_share(RAYS, 15);
+    (void)number;
+    for (int shape = 0; shape < FIELD_SHAPES; shape++)
+        for (size_t s = (size_t)shape % 3; s < FIELD_SIZES; s += 3) {
+            field_make(&f, (field_shape)shape, field_sizes[s].nx, field_sizes[s].ny, s);
+            for (size_t k = 0; k < n; k++) rays[k] = ray_to_the_limit(&r);
+            judge(n, &counts);
+        }
+    check(counts.tally.hits > 0, "no ray meets a field");
+}
+
+/* Up to CW_HEIGHT_MAX; fields with larger samples are refused. */
+static void test_largest_heights(int number) {
+    const size_t n = test_share(RAYS, 15);
+    random_state r = {100};
+    exact_counts counts = {0};
+    (void)number;
+    for (int kind = 0; kind < 3; kind++) {
+        field_make(&f, FIELD_FLAT, 9, 9, 1);
+        for (size_t k = 0; k < 81; k++) {
+            const bool up = kind == 0 ? k % 2 == 0 : random_below(&r, 2);
+            f.z[k] = kind == 2 ? (k == 40 ? CW_HEIGHT_MAX : 0) : up ? CW_HEIGHT_MAX : -CW_HEIGHT_MAX;
+        }
+        f.low = kind == 2 ? 0 : -CW_HEIGHT_MAX;
+        f.high = CW_HEIGHT_MAX;
+        for (int c = 0; c < RAY_CLASSES; c++) {
+            for (size_t k = 0; k < n; k++) rays[k] = ray_make((ray_class)c, &f, &r);
+            judge(n, &counts);
+        }
+    }
+}
+
+/* The difference to the field's origin is exact, so the rays are the same in field space, bit for bit, and the hits with them. */
+static void test_far_user_space(int number) {
+    enum { TURNS = 10 };
+    static cw_user_ray near_rays[RAYS], far_rays[RAYS];
+    static cw_hit hits[RAYS];
+    const double cell = 0.01, away = 5000000;
+    field_make(&f, FIELD_RANDOM, 17, 17, 7);
+    cw_field *here = field_open_at(&f, cell, 0), *there = field_open_at(&f, cell, away);
+    random_state r = {11};
+    size_t met = 0;
+    (void)number;
+    for (int turn = 0; turn < TURNS; turn++) {
+        for (size_t k = 0; k < RAYS; k++) {
+            near_rays[k] = (cw_user_ray){.tmax = (double)INFINITY};
+            for (int c = 0; c < 3; c++) { /* multiples of 2^-27 m, so that adding the origin is exact too */
+                near_rays[k].org[c] = ldexp(floor(random_between(&r, -0x1p18, 0x1p20) * (c < 2 ? 16 : 2)), -27);
+                near_rays[k].dir[c] = random_between(&r, -1, 1);
+            }
+            far_rays[k] = near_rays[k];
+            for (int c = 0; c < 2; c++) far_rays[k].org[c] += away;
+        }
+        cw_rays_to_field(here, NULL, near_rays, RAYS, rays);
+        cw_rays_to_field(there, NULL, far_rays, RAYS, other_rays);
+        check(memcmp(rays, other_rays, sizeof rays) == 0, "other rays in field space");
+        exact_compare(here, rays, there, other_rays, RAYS, false, "a far origin");
+        check_status(cw_closest(there, NULL, other_rays, RAYS, hits), CW_OK);
+        for (size_t k = 0; k < RAYS; k++) {
+            if (hits[k].i < 0) continue;
+            met++;
+            double p[3], q[3];
+            cw_hit_points(here, NULL, &hits[k], 1, p);
+            cw_hit_points(there, NULL, &hits[k], 1, q);
+            for (int c = 0; c < 3; c++) {
+                check(fabs(q[c] - (c < 2 ? away : 0) - p[c]) < 2e-9, "the point is elsewhere far from the origin");
+                const double on_ray = near_rays[k].org[c] + (double)hits[k].t * near_rays[k].dir[c];
+                check(fabs(on_ray - p[c]) < 1e-4 * cell * 16, "a hit off the ray by %g", on_ray - p[c]);
+            }
+        }
+    }
+    check(met > RAYS * TURNS / 20, "only %zu hits", met);
+    cw_field_destroy(here);
+    cw_field_destroy(there);
+}
+
+static void test_flush_to_zero(int number) {
+    static cw_hit plain[RAYS], flushed[RAYS];
+    static uint8_t occluded[RAYS];
+    random_state r = {16};
+    (void)number;
+    if (FP_MODES == 0) skip();
+    const uint64_t before = fp_register(), flush = fp_register_mode(FP_FLUSHES);
+    for (int shape = FIELD_TINY; shape <= FIELD_HOLES; shape++) {
+        field_make(&f, (field_shape)shape, 17, 17, 16);
+        for (size_t k = 0; k < RAYS; k++)
+            rays[k] = ray_make(k % 2 ? RAY_ZEROS : (ray_class)(k / 2 % RAY_CLASSES), &f, &r);
+        cw_field *field = field_open(&f);
+        for (size_t p = 0; p < exact_path_count; p++) {
+            const path *q = &exact_paths[p];
+            check_status(cw_closest(field, &q->query, rays, RAYS, plain), CW_OK);
+            fp_register_set(flush);
+            const cw_status closest = cw_closest(field, &q->query, rays, RAYS, flushed);
+            const cw_status any = cw_occluded(field, &q->query, rays, RAYS, occluded);
+            const uint64_t after = fp_register();
+            fp_register_set(before);
+            check_status(closest, CW_OK);
+            check_status(any, CW_OK);
+            check(after == flush, "%s: the caller's environment became %#llx", q->name, (unsigned long long)after);
+            for (size_t k = 0; k < RAYS; k++)
+                check(hit_same(&plain[k], &flushed[k]) && occluded[k] == (plain[k].i >= 0),
+                      "%s: other answers with FTZ and DAZ", q->name);
+            exact_count(p, RAYS);
+        }
+        cw_field_destroy(field);
+    }
+}
+
+const exact_row exact_extremes[] = {
+    {"extreme: zero, negative-zero and denormal components",
+     "up to 2^-128 one counts as zero: its reciprocal is no float", test_table, ZEROS},
+    {"extreme: directions of length 2^126 and beyond", "beyond it a component counts as infinite", test_table, LENGTHS},
+    {"extreme: along edges", "a hit in one of the two triangles; a touch is a hit", test_table, EDGES},
+    {"extreme: in the plane of flat triangles",
+     "a hit where field or range begins; Möller-Trumbore: a miss, its determinant is 0", test_table, PLANES},
+    {"extreme: from the end of the float range", "exact where the numbers are", test_table, FAR},
+    {"extreme: vertical, through every sample, edge and diagonal", "exact", test_vertical, 0},
+    {"extreme: ranges that begin or end exactly on the surface", "a hit at either end, a miss one float beyond",
+     test_ends, 0},
+    {"extreme: NaN and infinite rays and ranges", "a miss, but that infinite ranges are ranges", test_not_finite, 0},
+    {"extreme: NaN samples", "holes: rays pass through the triangles at them, and through nothing else", test_holes, 0},
+    {"extreme: infinite samples of both signs", "holes as NaN is: the same bits", test_infinite_samples, 1},
+    {"extreme: 10^-6 degrees, exact in float", "a hit", test_grazing, 0},
+    {"extreme: heights and rays times 2^60 and 2^-60", "the same bits as without", test_scaled_heights, 0},
+    {"extreme: t up to half of the largest float and beyond", "the exact answer within that limit; beyond it a miss",
+     test_limit_of_t, 0},
+    {"extreme: samples of 2^100 and -2^100", "the exact answer; larger ones are refused", test_largest_heights, 0},
+    {"extreme: cells of 1 cm at 5*10^6 m", "the same bits as at the origin: the translation comes off first, exactly",
+     test_far_user_space, 0},
+    {"extreme: FTZ and DAZ on", "the same bits as with both off, and the caller's flags as they were",
+     test_flush_to_zero, 0},
+};
+const size_t exact_extremes_count = sizeof exact_extremes / sizeof exact_extremes[0];

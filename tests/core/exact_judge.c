@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "exact.h"
+
+#include "cellwalk_expert.h"
+#include "check.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ROWS_MAX = 64, AT_A_TIME = 1024 };
+
+/* Why an answer is what is expected. */
+typedef enum outcome {
+    AS_EXPECTED,
+    SLIPPED,  /* Möller-Trumbore: missed a triangle, or went on to the next surface, within rounding of an edge */
+    PARALLEL, /* Möller-Trumbore: off the triangle, which is so nearly parallel that rounding decides */
+    OUTCOMES
+} outcome;
+
+path exact_paths[PATHS_MAX];
+size_t exact_path_count;
+
+static struct {
+    const exact_row *row;
+    size_t count[PATHS_MAX][OUTCOMES];
+} ran[ROWS_MAX], *now = ran;
+
+void exact_begin_row(const exact_row *row) {
+    if (now->row) now++;
+    check(now < ran + ROWS_MAX, "too many rows");
+    now->row = row;
+}
+
+void exact_count(size_t p, size_t n) { now->count[p][AS_EXPECTED] += n; }
+
+static bool as_expected(const path *p, const oracle_truth *truth, const judgement *j, outcome *o) {
+    *o = AS_EXPECTED;
+    if (p->leaf == CW_LEAF_WATERTIGHT) return j->verdict <= VERDICT_TIE && digits_hold(j);
+    if (j->verdict <= VERDICT_TIE) return true;
+    *o = j->verdict == VERDICT_PHANTOM ? PARALLEL : SLIPPED;
+    return j->verdict == VERDICT_PHANTOM ? j->apart <= j->blur : truth->pass_edge <= truth->pass_blur;
+}
+
+/* Brute force is for small fields, and so is a grid of 64 voxels an axis where all heights but a few are the same. */
+static bool takes_part(const path *p, const test_field *f, exact_choice choice) {
+    if (choice == EVERY_PATH) return p->strict || f->nx * f->ny <= 400;
+    return p->leaf == CW_LEAF_WATERTIGHT && (choice == WATERTIGHT_PATHS || strcmp(p->name, "cell") == 0);
+}
+
+static cw_field *open_any(const test_field *f) {
+    for (size_t k = 0; k < f->nx * f->ny; k++)
+        if (isinf(f->z[k])) return field_open_copied(f);
+    return field_open(f);
+}
+
+static void trace(const cw_field *field, const path *p, const cw_ray *rays, size_t n, cw_hit *hits) {
+    static uint8_t occluded[AT_A_TIME];
+    memset(hits, 0xff, n * sizeof *hits); /* no hit of any path */
+    check_status(cw_closest(field, &p->query, rays, n, hits), CW_OK);
+    check_status(cw_occluded(field, &p->query, rays, n, occluded), CW_OK);
+    for (size_t k = 0; k < n; k++) {
+        if (occluded[k] == (hits[k].i >= 0)) continue;
+        ray_print(&rays[k]);
+        check(false, "%s with %s: any hit says %d", p->name, cw_leaf_name(p->leaf), occluded[k]);
+    }
+}
+
+/* Paths that follow the same rules have the same bits, as lanes.c shows for other rays. */
+static void check_bits(cw_hit hits[PATHS_MAX][AT_A_TIME], const bool part[PATHS_MAX], const cw_ray *rays, size_t n) {
+    for (size_t p = 0; p < exact_path_count; p++) {
+        const path *q = &exact_paths[p];
+        size_t cell = 0;
+        while (strcmp(exact_paths[cell].name, "cell") != 0 || exact_paths[cell].leaf != q->leaf) cell++;
+        for (size_t k = 0; k < n && q->strict && part[p]; k++) {
+            if (hit_same(&hits[p][k], &hits[cell][k])) continue;
+            ray_print(&rays[k]);
+            hit_print("cell", &hits[cell][k]);
+            hit_print(q->name, &hits[p][k]);
+            check(false, "%s: other answers", q->name);
+        }
+    }
+}
+
+/* A path that takes part, and gave the same answer to ray k, of which no less is expected; p if there is none before it. */
+static size_t judged_before(cw_hit hits[PATHS_MAX][AT_A_TIME], const bool part[PATHS_MAX], size_t p, size_t k) {
+    size_t first = 0;
+    while (first < p &&
+           !(part[first] && exact_paths[first].leaf == exact_paths[p].leaf && hit_same(&hits[first][k], &hits[p][k])))
+        first++;
+    return first;
+}
+
+void exact_judge(const test_field *f, const cw_ray *rays, size_t n, exact_choice choice, tie_rule *tie,
+                 exact_counts *counts) {
+    static cw_hit hits[PATHS_MAX][AT_A_TIME];
+    cw_field *field = open_any(f);
+    oracle *o = oracle_create(f->z, f->nx, f->ny);
+    assert_non_null(o);
+    bool part[PATHS_MAX];
+    for (size_t p = 0; p < exact_path_count; p++) part[p] = takes_part(&exact_paths[p], f, choice);
+    for (size_t first = 0; first < n; first += AT_A_TIME) {
+        const size_t now_rays = n - first < AT_A_TIME ? n - first : AT_A_TIME;
+        for (size_t p = 0; p < exact_path_count; p++)
+            if (part[p]) trace(field, &exact_paths[p], rays + first, now_rays, hits[p]);
+        check_bits(hits, part, rays + first, now_rays);
+        for (size_t k = 0; k < now_rays; k++) {
+            outcome found[PATHS_MAX] = {AS_EXPECTED};
+            const cw_ray *ray = &rays[first + k];
+            const oracle_truth *truth = oracle_trace(o, ray);
+            for (size_t p = 0; p < exact_path_count; p++) {
+                const path *q = &exact_paths[p];
+                if (!part[p]) continue;
+                const size_t before = judged_before(hits, part, p, k);
+                found[p] = found[before];
+                if (before == p) {
+                    const judgement j = oracle_judge(o, &hits[p][k]);
+                    const bool good = as_expected(q, truth, &j, &found[p]) &&
+                                      (j.verdict != VERDICT_TIE || tie == NULL || tie(ray, truth));
+                    if (!good) tally_explain(f, ray, &hits[p][k], truth, &j);
+                    check(good, "%s with %s: %s", q->name, cw_leaf_name(q->leaf), verdict_name(j.verdict));
+                    if (q->leaf == CW_LEAF_WATERTIGHT) tally_add(&counts->tally, &hits[p][k], truth, &j);
+                } else {
+                    counts->answers++;
+                }
+                now->count[p][found[p]]++;
+            }
+        }
+    }
+    oracle_destroy(o);
+    cw_field_destroy(field);
+}
+
+void exact_expect(const exact_case *c) {
+    static test_field f;
+    f.shape = FIELD_INTEGERS;
+    f.nx = c->nx;
+    f.ny = c->ny;
+    memcpy(f.z, c->z, f.nx * f.ny * sizeof *f.z);
+    cw_field *field = open_any(&f);
+    for (size_t p = 0; p < exact_path_count; p++) {
+        const path *q = &exact_paths[p];
+        const float wanted = q->leaf == CW_LEAF_WATERTIGHT ? c->watertight : c->moller_trumbore;
+        const cw_hit miss = {.t = INFINITY, .i = -1, .j = -1};
+        cw_hit hit;
+        trace(field, q, &c->ray, 1, &hit);
+        check(hit.t == wanted && (hit.i >= 0) == (wanted < INFINITY), "%s with %s, %s: t = %g instead of %g", q->name,
+              cw_leaf_name(q->leaf), c->what, (double)hit.t, (double)wanted);
+        check(wanted < INFINITY || hit_same(&hit, &miss), "%s, %s: a miss with odd fields", q->name, c->what);
+        exact_count(p, 1);
+    }
+    cw_field_destroy(field);
+}
+
+size_t exact_compare(const cw_field *a, const cw_ray *rays, const cw_field *b, const cw_ray *same_rays, size_t n,
+                     bool except_grid, const char *what) {
+    static cw_hit hits[AT_A_TIME], same[AT_A_TIME];
+    size_t found = 0;
+    check(n <= AT_A_TIME, "too many rays");
+    for (size_t p = 0; p < exact_path_count; p++) {
+        const path *q = &exact_paths[p];
+        if (except_grid && strcmp(q->name, "grid3d") == 0) continue;
+        trace(a, q, rays, n, hits);
+        trace(b, q, same_rays, n, same);
+        for (size_t k = 0; k < n; k++) {
+            found += hits[k].i >= 0;
+            if (hit_same(&hits[k], &same[k])) continue;
+            ray_print(&rays[k]);
+            hit_print("as is", &hits[k]);
+            hit_print("the other", &same[k]);
+            check(false, "%s with %s: other answers with %s", q->name, cw_leaf_name(q->leaf), what);
+        }
+        exact_count(p, n);
+    }
+    return found;
+}
+
+/* Names and texts hold nothing that JSON would have to escape. */
+bool exact_write_counts(FILE *to) {
+    for (size_t k = 0; k < ROWS_MAX && ran[k].row; k++)
+        for (size_t p = 0; p < exact_path_count && ran[k].row->expected; p++) {
+            const size_t *c = ran[k].count[p], asked = c[AS_EXPECTED] + c[SLIPPED] + c[PARALLEL];
+            if (fprintf(
+                    to,
+                    "{\"kind\": \"extreme\", \"item\": \"%s\", \"expected\": \"%s\", \"kernel\": \"%s\", "
+                    "\"leaf\": \"%s\", \"asked\": %zu, \"as_expected\": %zu, \"slipped\": %zu, \"parallel\": %zu}\n",
+                    ran[k].row->name, ran[k].row->expected, exact_paths[p].name, cw_leaf_name(exact_paths[p].leaf),
+                    asked, c[AS_EXPECTED], c[SLIPPED], c[PARALLEL]) < 0)
+                return false;
+        }
+    return true;
+}
