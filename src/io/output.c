@@ -71,62 +71,27 @@ static bool fail_write(const io_output *out, io_error *error) {
     return io_fail(error, "%s: cannot write: %s", out->name, strerror(errno));
 }
 
-/* A hidden name beside target, which nobody can foresee and so nobody can be in the way of. */
-static bool choose_name(struct slot *s, const char *target) {
-    enum { BASE_MAX = 200 }; /* leaves room for the rest of the name in NAME_MAX */
-    const char *base = io_target_base(target);
-    unsigned long long number;
-    if (getentropy(&number, sizeof number) != 0) return false;
-    const int length = snprintf(s->temporary, sizeof s->temporary, "%.*s.%.*s.%016llx.tmp", (int)(base - target),
-                                target, BASE_MAX, base, number);
-    errno = ENAMETOOLONG;
-    if (length < 0 || (size_t)length >= sizeof s->temporary) return false;
-    atomic_store(&s->state, LIVE);
-    return true;
-}
-
-#if CELLWALK_LINUX
-static void descriptor_name(char name[32], int fd) { snprintf(name, 32, "/proc/self/fd/%d", fd); }
-
-static int create_unnamed(const char *target, mode_t mode) {
-    char folder[PATH_MAX], name[32];
-    const int fd = io_target_folder(target, folder) ? open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, mode) : -1;
-    descriptor_name(name, fd);
-    if (fd < 0 || access(name, F_OK) == 0) return fd;
-    close(fd); /* without /proc it could not get a name later */
-    return -1;
-}
-
-static bool link_open_file(int fd, const char *to) {
-    char name[32];
-    descriptor_name(name, fd);
-    return linkat(AT_FDCWD, name, AT_FDCWD, to, AT_SYMLINK_FOLLOW) == 0;
-}
-#else
-static int create_unnamed(const char *target, mode_t mode) {
-    (void)target, (void)mode;
-    return -1;
-}
-
-static bool link_open_file(int fd, const char *to) {
-    (void)fd, (void)to;
-    return false;
-}
-#endif
-
 /* Not by mkstemp, so that a new file gets the rights that umask and folder give. */
-static int create(io_output *out, const char *target, mode_t mode) {
-    struct slot *s = &slots[out->slot];
-    int fd = create_unnamed(target, mode);
-    out->unnamed = fd >= 0;
-    if (out->unnamed) {
-        s->temporary[0] = '\0';
-        atomic_store(&s->state, LIVE);
-    }
-    if (out->unnamed || !choose_name(s, target)) return fd;
-    fd = open(s->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+static int create_temporary(struct slot *s, const char *name, int length, mode_t mode) {
+    errno = ENAMETOOLONG;
+    if (length < 0 || (size_t)length >= sizeof s->temporary) return -1;
+    memcpy(s->temporary, name, (size_t)length + 1);
+    atomic_store(&s->state, LIVE);
+    const int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     if (fd < 0) atomic_store(&s->state, CLAIMED);
     return fd;
+}
+
+/* By a hidden name beside target, which nobody can foresee and so nobody can be in the way of. */
+static int create(const io_output *out, const char *target, mode_t mode) {
+    enum { BASE_MAX = 200 }; /* leaves room for the rest of the name in NAME_MAX */
+    const char *base = io_target_base(target);
+    char name[PATH_MAX];
+    unsigned long long number;
+    if (getentropy(&number, sizeof number) != 0) return -1;
+    const int length =
+        snprintf(name, sizeof name, "%.*s.%.*s.%016llx.tmp", (int)(base - target), target, BASE_MAX, base, number);
+    return create_temporary(&slots[out->slot], name, length, mode);
 }
 
 static int create_in_place_of(io_output *out, const struct stat *old) {
@@ -192,11 +157,15 @@ bool io_output_open(io_output *out, const char *path, io_error *error) {
     return false;
 }
 
-bool io_output_open_scratch(io_output *out, const char *target, io_error *error) {
-    *out = (io_output){.slot = -1, .name = strdup(target)};
-    const int fd = out->name != NULL && claim(out) ? create(out, target, 0600) : -1;
+const char *io_output_temporary(const io_output *out) { return slots[out->slot].temporary; }
+
+bool io_output_open_scratch(io_output *out, const io_output *beside, const char *suffix, io_error *error) {
+    *out = (io_output){.slot = -1, .name = strdup(beside->name)};
+    char name[PATH_MAX];
+    const int length = snprintf(name, sizeof name, "%s%s", io_output_temporary(beside), suffix);
+    const int fd = out->name != NULL && claim(out) ? create_temporary(&slots[out->slot], name, length, 0600) : -1;
     if (fd >= 0 && (out->file = fdopen(fd, "wb")) != NULL) return true;
-    io_fail(error, "%s: cannot write: %s", target, strerror(errno));
+    io_fail(error, "%s: cannot write: %s", beside->name, strerror(errno));
     if (fd >= 0) close(fd);
     io_output_discard(out);
     return false;
@@ -232,17 +201,12 @@ bool io_output_print(io_output *out, io_error *error, const char *format, ...) {
 
 bool io_output_settle(io_output *out, io_error *error) {
     FILE *file = out->file;
-    struct slot *s = &slots[out->slot];
     struct stat about;
     if (file == NULL) return true;
     out->file = NULL;
     errno = 0;
     bool good = fflush(file) == 0 && !ferror(file) && fstat(fileno(file), &about) == 0;
     good = good && (out->direct || fsync(fileno(file)) == 0 || errno == EINVAL);
-    if (good && out->unnamed) {
-        errno = EINTR;
-        good = take(s, CLAIMED) && choose_name(s, out->target) && link_open_file(fileno(file), s->temporary);
-    }
     int reason = errno;
     if (fclose(file) != 0 && good) {
         good = false;

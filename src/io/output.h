@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Output files, renamed into place when complete. The bytes go to a file without a name in the same folder (O_TMPFILE),
- * of which nothing remains even if the process is killed. File systems without such files have a hidden one instead,
- * ".NAME.16 digits.tmp", which is removed when the output fails and when the process ends or is interrupted. A file that
- * is replaced stays as it is until the new bytes are on the disk.
+/* Output files, renamed into place when complete. The bytes go to a hidden file in the same folder, ".NAME.16 digits.tmp", which is
+ * removed when the output fails and when the process ends or is interrupted. A file that is replaced stays as it is until the
+ * new bytes are on the disk.
  * Devices and pipes (/dev/stdout) are written directly; "-" is standard output. rights.h says what the new file takes
  * over from the one it replaces. No output replaces an input (inputs.h). */
 #ifndef CELLWALK_IO_OUTPUT_H
@@ -19,7 +18,6 @@ typedef struct io_output {
     char *name;   /* as the caller gave it, for messages; NULL while the output is not open */
     char *target; /* the final name: name with symbolic links followed */
     bool direct;  /* the target itself is written to: a device, a pipe or a descriptor */
-    bool unnamed; /* the temporary file has no name yet */
     int slot;
 } io_output;
 
@@ -30,8 +28,12 @@ typedef struct io_output {
 enum { IO_OUTPUT_MAX = 64 };
 bool io_output_open(io_output *out, const char *path, io_error *error);
 
-/* A temporary file beside a target, for intermediate results. It is discarded, never committed. */
-bool io_output_open_scratch(io_output *out, const char *target, io_error *error);
+/* The name of the temporary file of an output that is not direct, for libraries that open files themselves. */
+const char *io_output_temporary(const io_output *out);
+
+/* A temporary file beside that of another output, for intermediate results: suffix is added to its name. It is discarded, never
+ * committed. */
+bool io_output_open_scratch(io_output *out, const io_output *beside, const char *suffix, io_error *error);
 
 /* Claims room for a file of this size, so that a full disk is found out before the work and not after it. File systems
  * that cannot promise room do not fail here. */

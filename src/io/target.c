@@ -2,6 +2,7 @@
 #include "target.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,15 +25,12 @@ const char *io_target_base(const char *path) {
     return slash ? slash + 1 : path;
 }
 
-bool io_target_folder(const char *path, char folder[PATH_MAX]) {
-    const int length = (int)(io_target_base(path) - path);
-    errno = ENAMETOOLONG;
-    return snprintf(folder, PATH_MAX, "%.*s", length > 0 ? length : 2, length > 0 ? path : "./") < PATH_MAX;
-}
-
 static bool stat_folder(const char *path, struct stat *about) {
     char folder[PATH_MAX];
-    return io_target_folder(path, folder) && stat(folder, about) == 0;
+    const int length = (int)(io_target_base(path) - path);
+    errno = ENAMETOOLONG;
+    return snprintf(folder, PATH_MAX, "%.*s", length > 0 ? length : 2, length > 0 ? path : "./") < PATH_MAX &&
+           stat(folder, about) == 0;
 }
 
 /* The rule of Linux's fs.protected_symlinks, which opening by name would obey: in a shared folder anybody can put a link

@@ -4,8 +4,6 @@
 #define CELLWALK_IO_TARGET_H
 
 #include <stdbool.h>
-
-#include <limits.h>
 #include <sys/stat.h>
 
 /* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor
@@ -17,9 +15,8 @@ int io_target_descriptor(const char *path);
  * NULL with errno. */
 char *io_target_follow(const char *path);
 
-/* The part of path behind its last slash, and the folder before it. False, with errno, if that is too long. */
+/* The part of path behind its last slash. */
 const char *io_target_base(const char *path);
-bool io_target_folder(const char *path, char folder[PATH_MAX]);
 
 /* Two names that lead to one file are found equal before and after the file exists. Devices equal nothing. 0: not known. */
 typedef struct io_target_identity {

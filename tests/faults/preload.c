@@ -192,7 +192,7 @@ __attribute__((visibility("default"))) int open(const char *path, int flags, ...
     NEXT(open_fn, "open");
     va_list list;
     va_start(list, flags);
-    const mode_t mode = flags & (O_CREAT | __O_TMPFILE) ? va_arg(list, mode_t) : 0;
+    const mode_t mode = flags & O_CREAT ? va_arg(list, mode_t) : 0;
     va_end(list);
     if (!fails(FAULT_OPEN)) return next(path, flags, mode);
     errno = EMFILE;

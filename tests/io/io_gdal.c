@@ -397,7 +397,7 @@ static void results_are_whole(void **state) {
     free(npy);
 }
 
-/* A COG has smaller copies that come first; it is made beside scratch files that have no names. */
+/* A COG has smaller copies that come first; it is made beside scratch files, which go. */
 static void results_are_cogs(void **state) {
     (void)state;
     enum { SIDE = 300, BANDS = 2 };

@@ -10,29 +10,12 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-/* In place of libc's, so that a test can have a file system that knows no files without names. */
-static bool no_unnamed_files;
-
-int open(const char *path, int flags, ...) {
-    va_list list;
-    va_start(list, flags);
-    const mode_t mode = flags & (O_CREAT | __O_TMPFILE) ? va_arg(list, mode_t) : 0;
-    va_end(list);
-    if (no_unnamed_files && (flags & O_TMPFILE) == O_TMPFILE) {
-        errno = EOPNOTSUPP;
-        return -1;
-    }
-    return openat(AT_FDCWD, path, flags, mode);
-}
 
 /* The order of what is done to an output at its end; fsync fails on request. */
 static bool synced, named_too_early, sync_fails;
@@ -46,21 +29,6 @@ int fsync(int fd) {
 int rename(const char *from, const char *to) {
     named_too_early = named_too_early || !synced;
     return renameat(AT_FDCWD, from, AT_FDCWD, to);
-}
-
-int linkat(int from_at, const char *from, int to_at, const char *to, int flags) {
-    named_too_early = named_too_early || !synced;
-    return (int)syscall(SYS_linkat, from_at, from, to_at, to, flags);
-}
-
-static int enter(void **state) {
-    no_unnamed_files = false;
-    return scratch_enter(state);
-}
-
-static int enter_old(void **state) {
-    no_unnamed_files = true;
-    return scratch_enter(state);
 }
 
 static void open_and_write(io_output *out, const char *name, const char *text) {
@@ -81,7 +49,7 @@ static void commit_gives_the_name(void **state) {
     io_output out;
     open_and_write(&out, "a", "new");
     assert_int_equal(access("a", F_OK), -1);
-    check(scratch_entries() == 1 || (!no_unnamed_files && scratch_entries() == 0), "another file than the temporary");
+    check(scratch_entries() == 1, "another file than the temporary");
     assert_true(io_output_commit(&out, NULL));
     check_content("a", "new");
     assert_int_equal(scratch_entries(), 1);
@@ -165,7 +133,7 @@ static void discard_all_removes_open_ones(void **state) {
     open_and_write(&a, "a", "1");
     open_and_write(&b, "b", "2");
     open_and_write(&c, "c", "3");
-    check(scratch_entries() == 3 || (!no_unnamed_files && scratch_entries() == 0), "not a file for each output");
+    check(scratch_entries() == 3, "not a file for each output");
     assert_true(io_output_commit(&a, NULL));
     io_output_discard_all();
     assert_int_equal(scratch_entries(), 1);
@@ -235,23 +203,6 @@ static void deleted_folders_are_an_error(void **state) {
     assert_int_equal(system("rm -r folder"), 0);
     assert_false(io_output_commit(&out, &error));
     check(strstr(error.text, "folder/a: cannot write: No such file") != NULL, "%s", error.text);
-    assert_int_equal(scratch_entries(), 0);
-}
-
-static void killed_writers_leave_nothing(void **state) {
-    (void)state;
-    const pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        io_output out;
-        if (!io_output_open(&out, "a", NULL) || !out.unnamed) _exit(77); /* this file system knows no such files */
-        io_output_write(&out, "text", 4, NULL);
-        raise(SIGKILL);
-    }
-    int status;
-    assert_int_equal(waitpid(child, &status, 0), child);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 77) skip();
-    assert_true(WIFSIGNALED(status));
     assert_int_equal(scratch_entries(), 0);
 }
 
@@ -415,7 +366,7 @@ static void each_process_removes_its_own(void **state) {
         assert_int_equal(waitpid(child, &status, 0), child);
         assert_int_equal(status, 0);
     }
-    check(scratch_entries() == (no_unnamed_files ? 1 : scratch_entries() != 0), "%zu files", scratch_entries());
+    check(scratch_entries() == 1, "%zu files", scratch_entries());
     io_error error = {""};
     check(io_output_write(&out, "text", 4, &error) && io_output_commit(&out, &error), "%s", error.text);
     check_content("a", "text");
@@ -440,12 +391,6 @@ static void full_disk_is_an_error(void **state) {
     assert_false(io_output_commit(&out, &error));
     assert_string_equal(error.text, "/dev/full: cannot write: No space left on device");
 }
-
-/* With files without names where the file system has them, and without. */
-#define BOTH(test)                                                                                                     \
-    cmocka_unit_test_setup_teardown(test, enter, scratch_leave), {                                                     \
-#test " without O_TMPFILE", test, enter_old, scratch_leave, NULL                                               \
-    }
 
 /* Bytes of a name that are no text, or command a terminal. */
 static void messages_are_text(void **state) {
@@ -476,26 +421,25 @@ static void messages_are_text(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        BOTH(commit_gives_the_name),
-        BOTH(old_file_stays_until_commit),
-        BOTH(links_are_followed),
-        BOTH(dangling_links_are_followed),
-        BOTH(names_of_descriptors_are_no_files),
-        BOTH(discard_all_removes_open_ones),
-        BOTH(names_taken_meanwhile_are_replaced),
-        BOTH(bytes_are_on_the_disk_before_the_name),
-        BOTH(deleted_folders_are_an_error),
-        BOTH(bad_targets_are_refused),
-        BOTH(failures_leave_nothing),
-        BOTH(files_are_settled_together),
-        BOTH(each_process_removes_its_own),
-        BOTH(devices_are_written_to),
-        cmocka_unit_test_setup_teardown(killed_writers_leave_nothing, enter, scratch_leave),
-        cmocka_unit_test_setup_teardown(dash_is_standard_output, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(commit_gives_the_name, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(old_file_stays_until_commit, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(links_are_followed, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(dangling_links_are_followed, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(names_of_descriptors_are_no_files, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(discard_all_removes_open_ones, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(names_taken_meanwhile_are_replaced, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(bytes_are_on_the_disk_before_the_name, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(deleted_folders_are_an_error, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(bad_targets_are_refused, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(failures_leave_nothing, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(files_are_settled_together, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(each_process_removes_its_own, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(devices_are_written_to, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(dash_is_standard_output, scratch_enter, scratch_leave),
         cmocka_unit_test(full_disk_is_an_error),
         cmocka_unit_test(messages_are_text),
         /* Last: what it asks for stays. */
-        cmocka_unit_test_setup_teardown(inputs_are_not_replaced, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(inputs_are_not_replaced, scratch_enter, scratch_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

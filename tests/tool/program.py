@@ -165,8 +165,7 @@ def open_files(process):
 
 
 def wait_for_output(process):
-    """An output has a temporary name, or none."""
-    wait_until(process, lambda: any(name.startswith("#") or "/#" in name or ".tmp" in name for name in open_files(process)))
+    wait_until(process, lambda: any(".tmp" in name for name in open_files(process)))
 
 
 def wait_for_input(process, name):
@@ -206,6 +205,14 @@ def interrupted(*words, input=None, writes=True, signals=(signal.SIGINT,), **set
 
 def entries():
     return sorted(os.listdir())
+
+
+def only_hidden(before):
+    """Beside the entries before there are hidden temporary files alone: for programs that were killed. They go."""
+    assert set(before) <= set(entries())
+    for name in set(entries()) - set(before):
+        assert name.startswith(".") and ".tmp" in name, name
+        os.unlink(name)
 
 
 def write(name, text):

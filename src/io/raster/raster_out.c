@@ -7,7 +7,6 @@
 #include "npy.h"
 #include "raster_sink.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,41 +40,31 @@ const io_raster_sink io_sink_npy = {
 
 /* ---- GeoTIFF ----------------------------------------------------------------------------------------------------- */
 
-/* The scratch files of a COG: the GeoTIFF that it is copied from, its smaller copies, and room for a few more. They are
- * outputs that never get a name, on the disk of the target. */
-enum { SCRATCH_MOST = 6 };
+/* Of a COG: the GeoTIFF that it is copied from, and its smaller copies, by the name that GDAL has for them. */
 typedef struct tif_state {
     io_gdal_target *target;
-    const char *beside;
-    size_t count;
-    io_output scratch[SCRATCH_MOST];
+    io_output full, copies;
 } tif_state;
 
-static int open_scratch(void *context) {
-    tif_state *s = context;
-    io_error error;
-    if (s->count < SCRATCH_MOST && io_output_open_scratch(&s->scratch[s->count], s->beside, &error))
-        return fileno(s->scratch[s->count++].file);
-    if (s->count == SCRATCH_MOST) errno = EMFILE;
-    return -1;
-}
-
 static void free_tif(tif_state *s) {
-    for (size_t k = 0; k < s->count; k++) io_output_discard(&s->scratch[k]);
+    io_output_discard(&s->full);
+    io_output_discard(&s->copies);
     free(s);
 }
 
 static bool tif_create(io_raster_writer *w, io_error *error) {
     const io_gdal *gdal = io_gdal_load(error);
+    const char *name = w->output.name;
     if (gdal == NULL) return false;
-    struct stat about;
-    const int fd = fileno(w->output.file);
-    if (fstat(fd, &about) != 0 || !S_ISREG(about.st_mode))
-        return io_fail(error, "%s: cannot write: a GeoTIFF needs a regular file", w->output.name);
+    if (w->output.direct) return io_fail(error, "%s: cannot write: a GeoTIFF needs a regular file", name);
     tif_state *s = calloc(1, sizeof *s);
-    if (s == NULL) return io_fail(error, "%s: out of memory", w->output.name);
-    s->beside = w->output.target;
-    s->target = gdal->create(fd, w->output.name, &w->product, open_scratch, s, error);
+    if (s == NULL) return io_fail(error, "%s: out of memory", name);
+    const bool cog = w->product.cog,
+               ready = !cog || (io_output_open_scratch(&s->full, &w->output, ".tif", error) &&
+                                io_output_open_scratch(&s->copies, &w->output, ".ovr.tmp", error));
+    if (ready)
+        s->target = gdal->create(io_output_temporary(&w->output), cog ? io_output_temporary(&s->full) : NULL, name,
+                                 &w->product, error);
     w->state = s;
     if (s->target != NULL) return true;
     free_tif(s);

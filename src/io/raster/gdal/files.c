@@ -3,8 +3,7 @@
  *  - A name of the file system is opened only if it is a regular file, and only for reading. GDAL itself waits for ever for the
  *    writer of a pipe, which may stand behind a link, beside the file (.aux.xml) or in a VRT.
  *  - The standard streams, which GDAL has names for, are not opened.
- *  - A file to be written is lent by its descriptor, so that it needs no name before it is complete, and the system's reason is
- *    known when it cannot be written. So are the files that GDAL makes beside it on its way. */
+ *  - Files to be written have names of GDAL's, so that the system's reason is known when one cannot be. */
 
 #include "files.h"
 
@@ -23,33 +22,21 @@
 
 /* ---- an open file ------------------------------------------------------------------------------------------------ */
 
-enum { LENT_MAX = 16, SUFFIX_MAX = 40 };
-static const char lent_prefix[] = "/vsicellwalk/";
-static struct lent {
-    bool used;
-    int fd, reason;
-    int beside;              /* the file that it was made beside, or -1 */
-    char suffix[SUFFIX_MAX]; /* the text behind the other file's name in that of a file beside it: ".ovr.tmp" */
-    int (*scratch)(void *context);
-    void *context;
-} lent[LENT_MAX];
-
 typedef struct handle {
-    int fd;
-    struct lent *file; /* NULL: a file of the file system */
+    int fd, *reason; /* reason: of an output, where its first failure is noted; else NULL */
     vsi_l_offset at;
     bool at_end;
 } handle;
 
-static handle *make_handle(int fd, struct lent *file) {
+static handle *make_handle(int fd, int *reason) {
     handle *h = malloc(sizeof *h);
-    if (h != NULL) *h = (handle){.fd = fd, .file = file};
+    if (h != NULL) *h = (handle){.fd = fd, .reason = reason};
     errno = ENOMEM;
     return h;
 }
 
 static void note_reason(handle *h, int reason) {
-    if (h->file != NULL && h->file->reason == 0) h->file->reason = reason;
+    if (h->reason != NULL && *h->reason == 0) *h->reason = reason;
 }
 
 static vsi_l_offset tell(void *file) { return ((handle *)file)->at; }
@@ -116,7 +103,7 @@ static int flush(void *file) {
 
 static int close_handle(void *file) {
     handle *h = file;
-    const int status = h->file == NULL ? close(h->fd) : 0;
+    const int status = close(h->fd);
     free(h);
     return status;
 }
@@ -175,109 +162,59 @@ static char **read_folder(void *context, const char *name, int most) {
     return names;
 }
 
-/* ---- files that are lent ----------------------------------------------------------------------------------------- */
+/* ---- files to be written ----------------------------------------------------------------------------------------- */
 
-int gdal_lend(int fd, char name[GDAL_LENT_NAME]) {
-    for (int k = 0; k < LENT_MAX; k++) {
-        if (lent[k].used) continue;
-        lent[k] = (struct lent){.used = true, .fd = fd, .beside = -1};
-        snprintf(name, GDAL_LENT_NAME, "%s%d.tif", lent_prefix, k);
-        return k;
-    }
-    return -1;
+static const char output_prefix[] = "/vsicellwalk/";
+static gdal_output *outputs;
+
+void gdal_output_add(gdal_output *o) {
+    o->next = outputs;
+    outputs = o;
 }
 
-void gdal_lend_scratch(int number, int (*scratch)(void *context), void *context) {
-    lent[number].scratch = scratch;
-    lent[number].context = context;
+void gdal_output_remove(gdal_output *o) {
+    for (gdal_output **at = &outputs; *at != NULL; at = &(*at)->next)
+        if (*at == o) {
+            *at = o->next;
+            return;
+        }
 }
 
-/* Of the file, or of one beside it. */
-int gdal_lent_reason(int number) {
-    for (int k = 0; k < LENT_MAX; k++)
-        if (lent[k].used && lent[k].beside == number && lent[k].reason != 0) return lent[k].reason;
-    return lent[number].reason;
+char *gdal_output_name(const char *path) {
+    char *name = malloc(sizeof output_prefix + strlen(path));
+    if (name != NULL) sprintf(name, "%s%s", output_prefix, path);
+    return name;
 }
 
-void gdal_take_back(int number) {
-    for (int k = 0; k < LENT_MAX; k++)
-        if (lent[k].beside == number) lent[k].used = false;
-    lent[number].used = false;
-}
-
-/* The number at the beginning of a name, and the suffix; -1 if that file is not lent. */
-static int number_of(const char *name, const char **suffix) {
-    char *end;
-    const long k = strtol(name, &end, 10);
-    if (end == name || strncmp(end, ".tif", 4) != 0 || k < 0 || k >= LENT_MAX) return -1;
-    *suffix = end + 4;
-    return lent[k].used && lent[k].beside < 0 ? (int)k : -1;
-}
-
-static struct lent *find_lent(const char *name) {
-    const char *suffix;
-    const int number = number_of(name, &suffix);
-    if (number < 0) return NULL;
-    if (suffix[0] == '\0') return &lent[number];
-    for (int k = 0; k < LENT_MAX; k++)
-        if (lent[k].used && lent[k].beside == number && strcmp(lent[k].suffix, suffix) == 0) return &lent[k];
-    return NULL;
-}
-
-/* A new file beside one that is lent; NULL, with errno, if there can be none. */
-static struct lent *make_beside(const char *name) {
-    const char *suffix;
-    char unused[GDAL_LENT_NAME];
-    const int number = number_of(name, &suffix);
+/* The output that a name belongs to; NULL, with errno, if it is none's. */
+static gdal_output *find_output(const char *name) {
     errno = ENOENT;
-    if (number < 0 || lent[number].scratch == NULL || suffix[0] != '.' || strlen(suffix) >= SUFFIX_MAX) return NULL;
-    const int fd = lent[number].scratch(lent[number].context), k = fd >= 0 ? gdal_lend(fd, unused) : -1;
-    if (k < 0) {
-        if (fd >= 0) errno = EMFILE;
-        lent[number].reason = errno;
-        return NULL;
-    }
-    lent[k].beside = number;
-    snprintf(lent[k].suffix, SUFFIX_MAX, "%s", suffix);
-    return &lent[k];
+    for (gdal_output *o = outputs; o != NULL; o = o->next)
+        if (strncmp(name, o->path, strlen(o->path)) == 0) return o;
+    return NULL;
 }
 
 static void *open_output(void *context, const char *name, const char *access) {
     (void)context;
-    struct lent *file = find_lent(name);
-    if (file == NULL && access[0] == 'w')
-        file = make_beside(name);
-    else if (file == NULL)
-        errno = ENOENT;
-    if (file == NULL) return NULL;
-    if (access[0] == 'w' && ftruncate(file->fd, 0) != 0) {
-        file->reason = errno;
-        return NULL;
-    }
-    return make_handle(file->fd, file);
+    gdal_output *o = find_output(name);
+    if (o == NULL) return NULL;
+    const int fd = open(name, O_RDWR | O_CLOEXEC | (access[0] == 'w' ? O_CREAT | O_TRUNC : 0), 0600);
+    handle *h = fd >= 0 ? make_handle(fd, &o->reason) : NULL;
+    if (h == NULL && access[0] == 'w' && o->reason == 0) o->reason = errno;
+    if (h == NULL && fd >= 0) close(fd);
+    return h;
 }
 
 static int stat_output(void *context, const char *name, VSIStatBufL *about, int flags) {
-    (void)context, (void)flags;
     memset(about, 0, sizeof *about);
-    const struct lent *file = find_lent(name);
-    struct stat now;
-    if (file == NULL || fstat(file->fd, &now) != 0) return -1;
-    about->st_mode = S_IFREG | 0666;
-    about->st_size = now.st_size;
-    return 0;
+    return find_output(name) != NULL ? stat_name(context, name, about, flags) : -1;
 }
 
-/* A file beside another is scratch: its bytes go; scratch's owner closes it. */
+/* All but the output itself. */
 static int remove_output(void *context, const char *name) {
     (void)context;
-    struct lent *file = find_lent(name);
-    if (file == NULL || file->beside < 0) {
-        errno = ENOENT;
-        return -1;
-    }
-    file->used = false;
-    return ftruncate(file->fd, 0);
+    const gdal_output *o = find_output(name);
+    return o != NULL && strcmp(name, o->path) != 0 ? unlink(name) : -1;
 }
 
 /* ---- standard streams -------------------------------------------------------------------------------------------- */
@@ -316,7 +253,7 @@ static void install(const char *prefix, VSIFilesystemPluginOpenCallback open_fil
 
 void gdal_files_install(bool own_process) {
     static const char *const streams[] = {"/vsistdin/", "/vsistdin?", "/vsistdout/", "/vsistdout_redirect/"};
-    install(lent_prefix, open_output, stat_output, remove_output);
+    install(output_prefix, open_output, stat_output, remove_output);
     if (!own_process) return;
     install("", open_input, stat_name, NULL);
     for (size_t k = 0; k < sizeof streams / sizeof streams[0]; k++) install(streams[k], refuse_open, refuse_stat, NULL);

@@ -8,7 +8,7 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 11 };
+enum { IO_GDAL_VERSION = 12 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
 
 typedef struct io_gdal_source io_gdal_source;
@@ -39,11 +39,10 @@ typedef struct io_gdal {
 
     /* False unless GDAL knows these count creation options, "NAME=VALUE", of GeoTIFFs. */
     bool (*check_creation)(const char *const *creation, size_t count, bool cog, io_error *error);
-    /* Makes a GeoTIFF in a regular file that is open for reading and writing; messages call it name. scratch(context) opens
-     * another file without a name on the same disk, or returns -1 with errno; it is for COG, and closes what it opened after
-     * finish. NULL on failure. */
-    io_gdal_target *(*create)(int fd, const char *name, const io_raster_product *product, int (*scratch)(void *context),
-                              void *context, io_error *error);
+    /* Makes a GeoTIFF of the file at path, which is there and empty; messages call it name. full: for COG, another such file, at first
+     * with all rows; GDAL makes more of names that begin with path, and removes them. NULL on failure. */
+    io_gdal_target *(*create)(const char *path, const char *full, const char *name, const io_raster_product *product,
+                              io_error *error);
     bool (*write)(io_gdal_target *target, size_t band, const io_raster_window *window, const void *cells,
                   io_error *error);
     /* Closes the target; false if the data did not reach the file. whole: all rows were written; else no COG is made. */

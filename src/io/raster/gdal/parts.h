@@ -60,8 +60,8 @@ char **gdal_cog_options(const io_raster_product *product);
 bool gdal_has_compression(const char *name);
 bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error);
 
-io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *product, int (*scratch)(void *context),
-                            void *context, io_error *error);
+io_gdal_target *gdal_create(const char *path, const char *full, const char *name, const io_raster_product *product,
+                            io_error *error);
 bool gdal_write(io_gdal_target *target, size_t band, const io_raster_window *window, const void *cells,
                 io_error *error);
 bool gdal_finish(io_gdal_target *target, bool whole, io_error *error);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* GeoTIFF: tiles, compressed, a band after the other. GDAL makes a COG only as a copy of another raster, since its smaller
- * copies come first in the file: then the GeoTIFF goes to a scratch file, and finish makes the copy. */
+ * copies come first in the file: then the GeoTIFF goes to another file, and finish makes the copy. */
 
 #include "parts.h"
 
@@ -8,7 +8,6 @@
 
 #include <cpl_error.h>
 #include <cpl_string.h>
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,10 +16,8 @@ enum { ERROR_TEXT = 300 };
 struct io_gdal_target {
     GDALDatasetH file;
     char *name;
-    int lent; /* its number among the files lent to GDAL */
-    char path[GDAL_LENT_NAME];
-    int lent_cog; /* likewise, of the COG; -1: none */
-    char path_of_cog[GDAL_LENT_NAME];
+    char *path, *path_of_cog; /* GDAL's names of the file that rows go to, and of the COG; NULL: none */
+    gdal_output output;
     char **cog_options;
     bool (*go_on)(void *context);
     void *go_on_context;
@@ -31,17 +28,16 @@ struct io_gdal_target {
 
 /* The system's reason, if it was the system that failed: GDAL's own words name a function. */
 static bool fail_write(const io_gdal_target *t, io_error *error) {
-    int reason = gdal_lent_reason(t->lent);
-    if (reason == 0 && t->lent_cog >= 0) reason = gdal_lent_reason(t->lent_cog);
-    if (reason == 0) return gdal_fail(error, t->name, "cannot write");
+    if (t->output.reason == 0) return gdal_fail(error, t->name, "cannot write");
     CPLErrorReset();
-    return io_fail(error, "%s: cannot write: %s", t->name, strerror(reason));
+    return io_fail(error, "%s: cannot write: %s", t->name, strerror(t->output.reason));
 }
 
 static void end(io_gdal_target *t) {
-    if (t->lent >= 0) gdal_take_back(t->lent);
-    if (t->lent_cog >= 0) gdal_take_back(t->lent_cog);
+    gdal_output_remove(&t->output);
     CSLDestroy(t->cog_options);
+    free(t->path);
+    free(t->path_of_cog);
     free(t->name);
     free(t);
 }
@@ -81,19 +77,6 @@ static bool describe(io_gdal_target *t, const io_raster_product *p) {
     return true;
 }
 
-/* Lends GDAL the file and, for a COG, a scratch file that is written first. */
-static bool lend(io_gdal_target *t, int fd, const io_raster_product *p, int (*scratch)(void *context), void *context,
-                 io_error *error) {
-    if (p->cog) {
-        t->lent_cog = gdal_lend(fd, t->path_of_cog);
-        if (t->lent_cog >= 0) gdal_lend_scratch(t->lent_cog, scratch, context);
-        if ((fd = scratch(context)) < 0) return io_fail(error, "%s: cannot write: %s", t->name, strerror(errno));
-    }
-    t->lent = gdal_lend(fd, t->path);
-    return (t->lent >= 0 && (t->lent_cog >= 0 || !p->cog)) ||
-           io_fail(error, "%s: too many files are written at once", t->name);
-}
-
 static bool create(io_gdal_target *t, const io_raster_product *p, io_error *error) {
     const size_t side[2] = {io_raster_tile_side(p->nx), io_raster_tile_side(p->ny)};
     if (p->compression == IO_ZSTD && !gdal_has_compression("ZSTD"))
@@ -105,25 +88,29 @@ static bool create(io_gdal_target *t, const io_raster_product *p, io_error *erro
     return (t->file != NULL && describe(t, p)) || fail_write(t, error);
 }
 
-io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *p, int (*scratch)(void *context),
-                            void *context, io_error *error) {
+io_gdal_target *gdal_create(const char *path, const char *full, const char *name, const io_raster_product *p,
+                            io_error *error) {
     GDAL_CALL;
     CPLErrorReset();
     io_gdal_target *t = calloc(1, sizeof *t);
-    if (t == NULL || (t->name = strdup(name)) == NULL) {
-        free(t);
+    if (t == NULL) {
         io_fail(error, "%s: out of memory", name);
         return NULL;
     }
-    t->lent = t->lent_cog = -1;
-    t->nx = p->nx;
-    t->ny = p->ny;
-    t->tile_rows = io_raster_tile_side(p->ny);
-    t->type = type_of(p->cell);
-    t->go_on = p->go_on;
-    t->go_on_context = p->go_on_context;
-    if (lend(t, fd, p, scratch, context, error) && create(t, p, error)) {
-        if (p->cog) t->cog_options = gdal_cog_options(p);
+    *t = (io_gdal_target){.name = strdup(name),
+                          .path = gdal_output_name(full ? full : path),
+                          .path_of_cog = full ? gdal_output_name(path) : NULL,
+                          .output = {.path = path},
+                          .nx = p->nx,
+                          .ny = p->ny,
+                          .tile_rows = io_raster_tile_side(p->ny),
+                          .type = type_of(p->cell),
+                          .go_on = p->go_on,
+                          .go_on_context = p->go_on_context};
+    gdal_output_add(&t->output);
+    const bool named = (t->name && t->path && (t->path_of_cog || !full)) || io_fail(error, "%s: out of memory", name);
+    if (named && create(t, p, error)) {
+        if (full) t->cog_options = gdal_cog_options(p);
         return t;
     }
     if (t->file != NULL) GDALClose(t->file);
@@ -157,8 +144,7 @@ static int CPL_STDCALL goes_on(double share, const char *message, void *context)
 
 /* Whether GDAL or the system has complained since CPLErrorReset. */
 static bool has_failed(const io_gdal_target *t) {
-    return CPLGetLastErrorType() >= CE_Failure || gdal_thread_failed() || gdal_lent_reason(t->lent) != 0 ||
-           (t->lent_cog >= 0 && gdal_lent_reason(t->lent_cog) != 0);
+    return CPLGetLastErrorType() >= CE_Failure || gdal_thread_failed() || t->output.reason != 0;
 }
 
 /* Without memory for a smaller copy of the raster, GDAL leaves it empty, forgets the error and goes on. */
@@ -187,7 +173,7 @@ bool gdal_finish(io_gdal_target *t, bool whole, io_error *error) {
     GDALFlushCache(t->file);
     bool good = !t->failed && !has_failed(t);
     if (!good && !t->failed) fail_write(t, error);
-    if (good && whole && t->lent_cog >= 0) good = copy_to_cog(t, error);
+    if (good && whole && t->path_of_cog) good = copy_to_cog(t, error);
     CPLErrorReset();
     GDALClose(t->file);
     if (good && has_failed(t)) good = fail_write(t, error);
