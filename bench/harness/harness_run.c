@@ -6,7 +6,7 @@
 #include "commit.h"
 #include "cpus.h"
 #include "harness/results.h"
-#include "peers/embree.h"
+#include "peers/peer.h"
 #include "proc.h"
 
 #include <stdio.h>
@@ -78,8 +78,8 @@ json_t *run_record(const char *name, uint32_t seed, int cpu) {
     results_set_count(record, "cpus", cpus);
     results_set_texts(record, "isa compiler build_type flags commit embree",
                       (const char *[]){cw_isa_name(cw_isa_best()), BUILD_INFO_COMPILER, BUILD_INFO_TYPE,
-                                       BUILD_INFO_FLAGS, BUILD_INFO_COMMIT, peer_embree_version()});
-    if (peer_embree_version()) results_set_bool(record, "embree_assertions", peer_embree_has_assertions());
+                                       BUILD_INFO_FLAGS, BUILD_INFO_COMMIT, peer_embree.version});
+    if (peer_embree.version) results_set_bool(record, "embree_assertions", peer_embree.has_assertions());
     results_set_count(record, "seed", seed);
     json_object_set_new(record, "pinned_to_cpu", json_integer(cpu));
     results_set_number(record, "load", load);

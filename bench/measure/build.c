@@ -12,8 +12,9 @@
 
 typedef struct builder {
     land *land;
-    bool embree, bullet;
-    peer_options options;
+    const peer_kind *peer; /* NULL: a field */
+    unsigned options;
+    cw_isa isa;
     cw_pool *pool;
     size_t bytes;
     double seconds;
@@ -33,20 +34,11 @@ static bool open_build(workload *w, io_error *error) {
 
 static void build(void *context) {
     builder *b = context;
-    if (b->embree) {
-        io_error error;
-        peer_embree *peer = peer_embree_create(b->land->field, &b->options, &error);
+    if (b->peer) {
+        void *peer = b->peer->create(b->land->field, b->isa, b->options, NULL);
         b->failed = b->failed || peer == NULL;
-        if (peer) b->bytes = peer_embree_describe(peer).bytes;
-        if (peer) b->seconds = peer_embree_describe(peer).build_cpu_seconds;
-        peer_embree_destroy(peer);
-        return;
-    }
-    if (b->bullet) {
-        peer_bullet *peer = peer_bullet_create(b->land->field, false);
-        b->failed = b->failed || peer == NULL;
-        if (peer) b->bytes = peer_bullet_bytes(peer);
-        peer_bullet_destroy(peer);
+        if (peer) b->bytes = b->peer->bytes(peer, &b->seconds);
+        if (peer) b->peer->destroy(peer);
         return;
     }
     const workload_field *s = &b->land->samples;
@@ -58,29 +50,24 @@ static void build(void *context) {
 }
 
 static bool enter(workload *w, const char *name, io_error *error) {
+    contender_spec s;
     entrant *e = measure_enter(w, name, name, error);
-    if (e == NULL) return false;
+    if (e == NULL || !contenders_parse(&s, name, error)) return false;
     builder *b = e->own = memory(1, sizeof *b);
-    const bool grid = strstr(name, ":grid") != NULL;
-    unsigned threads = 1;
-    *b = (builder){.land = w->own, .embree = strncmp(name, "embree", 6) == 0, .bullet = strcmp(name, "bullet") == 0};
-    b->options = (peer_options){.isa = (cw_isa)w->options->run.isa,
-                                .geometry = grid ? PEER_GRID : PEER_TRIANGLES,
-                                .quality = strstr(name, ":high") ? PEER_HIGH : PEER_MEDIUM};
-    if (!b->embree && !b->bullet && strcmp(name, "default") != 0 && sscanf(name, "default:threads=%u", &threads) != 1)
+    *b = (builder){.land = w->own, .peer = s.kind < PEER_KINDS ? peer_kinds[s.kind] : NULL};
+    b->isa = (cw_isa)w->options->run.isa;
+    b->options = s.options | (s.high ? 0 : PEER_MEDIUM);
+    if (b->peer == NULL && strcmp(s.base, "default") != 0)
         return io_fail(
             error, "contender %s: what builds is default, default:threads=N, embree, embree:high, embree:grid, bullet",
             name);
-    if (threads > 1 && cw_pool_create(threads, &b->pool) != CW_OK)
+    if (s.threads > 1 && cw_pool_create(s.threads, &b->pool) != CW_OK)
         return io_fail(error, "%s: %s", name, cw_last_error());
-    if (b->embree && peer_embree_version() == NULL)
-        snprintf(e->why, sizeof e->why, "built without Embree (Debian: libembree-dev)");
-    else if (b->bullet)
-        land_bullet(b->land, false, e->why);
-    else if (b->embree)
-        run_memory_has(peer_embree_needs(b->land->field, b->options.geometry), e->why);
+    if (b->peer) land_has_peer(b->land, b->peer, b->options, e->why);
+    /* Embree tells its own time. */
+    const bool tells = b->peer && (b->peer->options & PEER_MEDIUM);
     e->job =
-        (interleave_job){.run = build, .context = b, .by_clock = threads > 1, .counts = b->embree ? &b->seconds : NULL};
+        (interleave_job){.run = build, .context = b, .by_clock = s.threads > 1, .counts = tells ? &b->seconds : NULL};
     return true;
 }
 

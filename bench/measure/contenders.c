@@ -13,15 +13,6 @@ const char contenders_help[] =
     "and wN, "
     "one packet width of the four; for bullet accelerated, which loses hits";
 
-typedef struct spec {
-    char base[64];
-    bool embree, bullet, accelerated, robust, grid, medium;
-    unsigned width, threads, call;
-    size_t factor;
-    cw_leaf leaf;
-    const cw_kernel *kernel;
-} spec;
-
 /* N of a text that is KEY and a number. */
 static bool number_after(const char *text, const char *key, unsigned most, unsigned *number) {
     const size_t length = strlen(key);
@@ -32,18 +23,28 @@ static bool number_after(const char *text, const char *key, unsigned most, unsig
     return *end == '\0' && value >= 1 && value <= most;
 }
 
-static bool take_option(spec *s, const char *word) {
+static const struct {
+    const char *word;
+    unsigned option;
+} peer_words[] = {
+    {"grid", PEER_GRID}, {"medium", PEER_MEDIUM}, {"robust", PEER_ROBUST}, {"accelerated", PEER_ACCELERATED}};
+
+static bool take_peer_option(contender_spec *s, const peer_kind *kind, const char *word) {
+    for (size_t k = 0; k < sizeof peer_words / sizeof *peer_words; k++)
+        if (strcmp(word, peer_words[k].word) == 0) {
+            s->options |= peer_words[k].option;
+            return kind->options & peer_words[k].option;
+        }
+    if (strcmp(word, "high") == 0) return (kind->options & PEER_MEDIUM) && (s->high = true);
+    return number_after(word, "w", 16, &s->width);
+}
+
+static bool take_option(contender_spec *s, const char *word) {
     unsigned factor;
+    if (s->kind < PEER_KINDS) return take_peer_option(s, peer_kinds[s->kind], word);
     if (strcmp(s->base, "coarser") == 0 && number_after(word, "", FACTOR_MAX, &factor)) {
         s->factor = factor;
         return true;
-    }
-    if (s->bullet) return strcmp(word, "accelerated") == 0 && (s->accelerated = true);
-    if (s->embree) {
-        if (strcmp(word, "robust") == 0) return s->robust = true;
-        if (strcmp(word, "grid") == 0) return s->grid = true;
-        if (strcmp(word, "medium") == 0) return s->medium = true;
-        return number_after(word, "w", 16, &s->width);
     }
     for (int leaf = 1; cw_leaf_name((cw_leaf)leaf); leaf++)
         if (strcmp(word, cw_leaf_name((cw_leaf)leaf)) == 0) {
@@ -54,38 +55,33 @@ static bool take_option(spec *s, const char *word) {
            number_after(word, "threads=", CW_THREADS_MAX, &s->threads);
 }
 
-static bool parse(spec *s, const char *name, io_error *error) {
+bool contenders_parse(contender_spec *s, const char *name, io_error *error) {
     char text[MEASURE_NAME], *rest = text;
-    *s = (spec){.threads = 1, .factor = 1};
+    *s = (contender_spec){.threads = 1, .factor = 1};
     snprintf(text, sizeof text, "%s", name);
     snprintf(s->base, sizeof s->base, "%s", strsep(&rest, ":"));
-    s->embree = strcmp(s->base, "embree") == 0;
-    s->bullet = strcmp(s->base, "bullet") == 0;
-    const bool own = strcmp(s->base, "default") == 0 || strcmp(s->base, "coarser") == 0 || s->bullet;
-    if (!s->embree && !own) s->kernel = cw_kernel_find(s->base);
-    bool good = own || s->embree || cw_kernel_exists(s->kernel);
+    while (s->kind < PEER_KINDS && strcmp(s->base, peer_kinds[s->kind]->name) != 0) s->kind++;
+    const bool own = strcmp(s->base, "default") == 0 || strcmp(s->base, "coarser") == 0 || s->kind < PEER_KINDS;
+    if (!own) s->kernel = cw_kernel_find(s->base);
+    bool good = own || cw_kernel_exists(s->kernel);
     for (char *word; good && (word = strsep(&rest, ":")) != NULL;) good = take_option(s, word);
     good = good && (strcmp(s->base, "coarser") != 0 || s->factor > 1);
     return good || io_fail(error, "contender %s: %s", name, contenders_help);
 }
 
-static bool enter_embree(land *l, const char *name, const spec *s, bool coherent, cw_isa isa, ray_contender *out,
-                         size_t *count, char why[192], io_error *error) {
-    const peer_options options = {.isa = isa,
-                                  .geometry = s->grid ? PEER_GRID : PEER_TRIANGLES,
-                                  .quality = s->medium ? PEER_MEDIUM : PEER_HIGH,
-                                  .robust = s->robust};
-    const peer_embree *peer = land_embree(l, &options, why, error);
+/* One for each of the peer's widths, or that of the name. */
+static bool enter_peer(land *l, const char *name, const contender_spec *s, bool coherent, cw_isa isa,
+                       ray_contender *out, size_t *count, char why[192], io_error *error) {
+    const peer_kind *kind = peer_kinds[s->kind];
+    const void *peer = land_peer(l, s->kind, isa, s->options, why, error);
     if (peer == NULL) return why[0] != '\0';
-    for (size_t w = 0; w < PEER_WIDTH_COUNT; w++) {
-        const unsigned width = peer_embree_widths[w];
-        if (s->width != 0 && s->width != width) continue;
+    for (size_t w = 0; w < PEER_WIDTHS && kind->widths[w]; w++) {
+        if (s->width != 0 && s->width != kind->widths[w]) continue;
         ray_contender *c = &out[(*count)++];
         *c = (ray_contender){.factor = 1};
-        contender_from_peer(&c->contender, peer, width, coherent, "");
-        char *split = c->contender.name; /* "/w8", "/w16-split" */
+        kind->enter(&c->contender, peer, kind->widths[w], coherent);
         char full[CONTENDER_NAME];
-        snprintf(full, sizeof full, s->width ? "%s" : "%s:%s", name, split + 1);
+        snprintf(full, sizeof full, s->width || kind->widths[1] == 0 ? "%s" : "%s:%s", name, c->contender.name);
         memcpy(c->contender.name, full, sizeof full);
     }
     return *count > 0 || io_fail(error, "contender %s: Embree's widths are 1, 4, 8 and 16", name);
@@ -93,18 +89,10 @@ static bool enter_embree(land *l, const char *name, const spec *s, bool coherent
 
 bool contenders_of(land *l, const char *name, bool coherent, cw_isa isa, ray_contender out[WIDTHS_MAX], size_t *count,
                    char why[192], io_error *error) {
-    spec s;
+    contender_spec s;
     *count = 0;
-    if (!parse(&s, name, error)) return false;
-    if (s.embree) return enter_embree(l, name, &s, coherent, isa, out, count, why, error);
-    if (s.bullet) {
-        const peer_bullet *peer = land_bullet(l, s.accelerated, why);
-        out[0] = (ray_contender){.factor = 1};
-        contender_from_bullet(&out[0].contender, peer);
-        snprintf(out[0].contender.name, sizeof out[0].contender.name, "%s", name);
-        *count = peer != NULL;
-        return true;
-    }
+    if (!contenders_parse(&s, name, error)) return false;
+    if (s.kind < PEER_KINDS) return enter_peer(l, name, &s, coherent, isa, out, count, why, error);
     cw_field *field = land_coarser(l, s.factor, error);
     if (field == NULL) return false;
     ray_contender *c = &out[0];

@@ -117,17 +117,17 @@ land *land_of(const char *name, const measure_options *o, char why[192], io_erro
     return NULL;
 }
 
-static void forget_embree(land *l) {
-    for (size_t k = 0; k < sizeof l->peers / sizeof *l->peers; k++) {
-        peer_embree_destroy(l->peers[k]);
-        l->peers[k] = NULL;
-    }
+static void forget_peers(land *l) {
+    for (size_t k = 0; k < PEER_KINDS; k++)
+        for (size_t o = 0; o < PEER_OPTIONS; o++) {
+            if (l->peers[k][o]) peer_kinds[k]->destroy(l->peers[k][o]);
+            l->peers[k][o] = NULL;
+        }
 }
 
 void land_close(land *l) {
     errors_forget(l);
-    forget_embree(l);
-    for (int k = 0; k < 2; k++) peer_bullet_destroy(l->bullet[k]);
+    forget_peers(l);
     for (size_t k = 0; k <= FACTOR_MAX; k++) cw_field_destroy(l->coarser[k]);
     if (l->borrowed) return;
     cw_field_destroy(l->field);
@@ -149,22 +149,21 @@ cw_field *land_coarser(land *l, size_t factor, io_error *error) {
     return l->coarser[factor];
 }
 
-peer_embree *land_embree(land *l, const peer_options *o, char why[192], io_error *error) {
-    if (o->isa != l->peers_isa) forget_embree(l);
-    l->peers_isa = o->isa;
-    peer_embree **peer = &l->peers[(size_t)o->geometry + 2 * (size_t)o->quality + 4 * (size_t)o->robust];
-    if (*peer == NULL && peer_embree_version() == NULL)
-        snprintf(why, 192, "built without Embree (Debian: libembree-dev)");
-    else if (*peer == NULL && run_memory_has(peer_embree_needs(l->field, o->geometry), why))
-        *peer = peer_embree_create(l->field, o, error);
-    return *peer;
+bool land_has_peer(const land *l, const peer_kind *kind, unsigned options, char why[192]) {
+    const cw_field_info info = cw_field_describe(l->field);
+    if (kind->version)
+        return run_memory_has((double)(info.nx - 1) * (double)(info.ny - 1) * kind->needs[(options & PEER_GRID) != 0],
+                              why);
+    snprintf(why, 192, "built without it (Debian: %s)", kind->package);
+    return false;
 }
 
-const peer_bullet *land_bullet(land *l, bool accelerated, char why[192]) {
-    peer_bullet **peer = &l->bullet[accelerated];
-    if (peer_bullet_version() == NULL)
-        snprintf(why, 192, "built without Bullet (Debian: libbullet-dev)");
-    else if (*peer == NULL && (*peer = peer_bullet_create(l->field, accelerated)) == NULL)
-        memory_end();
+const void *land_peer(land *l, size_t kind, cw_isa isa, unsigned options, char why[192], io_error *error) {
+    void **peer = &l->peers[kind][options];
+    if (isa != l->peers_isa) forget_peers(l);
+    l->peers_isa = isa;
+    io_fail(error, "field %s: %s could not be built on it", l->name, peer_kinds[kind]->name);
+    if (*peer == NULL && land_has_peer(l, peer_kinds[kind], options, why))
+        *peer = peer_kinds[kind]->create(l->field, isa, options, error);
     return *peer;
 }

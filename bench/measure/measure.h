@@ -7,9 +7,7 @@
 
 #include "harness/harness_run.h"
 #include "harness/interleave.h"
-#include "peers/bullet.h"
-#include "peers/contender.h"
-#include "peers/embree.h"
+#include "peers/peer.h"
 #include "scene.h"
 #include "workload/fields.h"
 
@@ -98,10 +96,9 @@ typedef struct land {
     workload_field samples; /* of land_of */
     cw_field *field;
     cw_field *coarser[FACTOR_MAX + 1];
-    peer_embree *peers[8]; /* by geometry, quality and robustness, all up to one instruction set */
+    void *peers[PEER_KINDS][PEER_OPTIONS]; /* all up to one instruction set */
     cw_isa peers_isa;
-    peer_bullet *bullet[2]; /* without and with its accelerator */
-    struct oracle *oracle;  /* errors.c */
+    struct oracle *oracle; /* errors.c */
     bool borrowed;
 } land;
 
@@ -113,14 +110,28 @@ void land_close(land *l);
 void land_end(void);
 /* Each is made once. NULL with the error, or with why if memory is missing. */
 cw_field *land_coarser(land *l, size_t factor, io_error *error);
-const peer_bullet *land_bullet(land *l, bool accelerated, char why[192]);
-peer_embree *land_embree(land *l, const peer_options *options, char why[192], io_error *error);
+const void *land_peer(land *l, size_t kind, cw_isa isa, unsigned options, char why[192], io_error *error);
+/* True if a peer of that kind can be made; else why says what is missing. */
+bool land_has_peer(const land *l, const peer_kind *kind, unsigned options, char why[192]);
 
 /* ---- contenders.c: of rays, by name ---- */
 
-/* Contenders of that name on the land: one, or one for each packet width of Embree. Names are BASE:OPTION…, as the help has them.
- * count is 0, with why, where it cannot run here. False for an unknown name. */
-enum { WIDTHS_MAX = PEER_WIDTH_COUNT };
+/* A name taken apart: BASE:OPTION…, as the help has them. kind is PEER_KINDS if it is no peer. */
+typedef struct contender_spec {
+    char base[64];
+    size_t kind;
+    unsigned options; /* of the peer */
+    bool high;        /* of its build, where the default is what is measured */
+    unsigned width, threads, call;
+    size_t factor;
+    cw_leaf leaf;
+    const cw_kernel *kernel;
+} contender_spec;
+bool contenders_parse(contender_spec *s, const char *name, io_error *error);
+
+/* Contenders of that name on the land: one, or one for each packet width of a peer. count is 0, with why, where it cannot run here.
+ * False for an unknown name. */
+enum { WIDTHS_MAX = PEER_WIDTHS };
 typedef struct ray_contender {
     contender contender;
     size_t factor; /* of coarser land; else 1 */

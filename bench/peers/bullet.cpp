@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "peers/bullet.h"
+#include "peers/peer.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -26,9 +25,8 @@ struct nearest : btTriangleRaycastCallback {
         return fraction;
     }
 };
-} // namespace
 
-struct peer_bullet {
+struct bullet {
     size_t nx, ny;
     double low, high;
     bool accelerated;
@@ -36,36 +34,31 @@ struct peer_bullet {
     std::unique_ptr<btHeightfieldTerrainShape> shape;
 };
 
-const char *peer_bullet_version(void) {
-    static char text[32];
-    std::snprintf(text, sizeof text, "%d.%02d", BT_BULLET_VERSION / 100, BT_BULLET_VERSION % 100);
-    return text;
-}
-
-peer_bullet *peer_bullet_create(const cw_field *field, bool accelerated) try {
+void *create(const cw_field *field, cw_isa, unsigned options, struct io_error *) try {
     const cw_field_info info = cw_field_describe(field);
-    std::unique_ptr<peer_bullet> p(new peer_bullet{info.nx, info.ny, info.low, info.high, accelerated, {}, nullptr});
+    const bool accelerated = (options & PEER_ACCELERATED) != 0;
+    std::unique_ptr<bullet> p(new bullet{info.nx, info.ny, info.low, info.high, accelerated, {}, nullptr});
     for (size_t j = 0; j < info.ny; j++)
         p->z.insert(p->z.end(), cw_field_row(field, j), cw_field_row(field, j) + info.nx);
     /* Flipped quads have the diagonal from sample (i, j) to (i + 1, j + 1). */
     p->shape.reset(new btHeightfieldTerrainShape(static_cast<int>(info.nx), static_cast<int>(info.ny), p->z.data(),
                                                  info.low, info.high, 2, true));
     if (accelerated) p->shape->buildAccelerator(chunk);
-
     return p.release();
 } catch (const std::bad_alloc &) {
     return nullptr;
 }
 
-void peer_bullet_destroy(peer_bullet *peer) { delete peer; }
+void destroy(void *peer) { delete static_cast<bullet *>(peer); }
 
-size_t peer_bullet_bytes(const peer_bullet *p) {
+size_t bytes_of(const void *peer, double *) {
+    const bullet *p = static_cast<const bullet *>(peer);
     return p->nx * p->ny * sizeof(float) + (p->accelerated ? 1 : 0) * ((p->nx + chunk - 1) / chunk) *
                                                ((p->ny + chunk - 1) / chunk) * sizeof(btHeightfieldTerrainShape::Range);
 }
 
 /* Bullet takes segments, about the middle of the field's box. Cut to the box, in double, they lose the least by rounding. */
-static cw_hit trace(const peer_bullet *p, const cw_ray &ray) {
+cw_hit trace(const bullet *p, const cw_ray &ray) {
     cw_hit hit = {};
     hit.t = std::numeric_limits<float>::infinity();
     hit.i = hit.j = -1;
@@ -99,18 +92,23 @@ static cw_hit trace(const peer_bullet *p, const cw_ray &ray) {
     return hit;
 }
 
-static void closest(const contender *c, const cw_ray *rays, size_t n, cw_hit *hits) {
-    for (size_t k = 0; k < n; k++) hits[k] = trace(static_cast<const peer_bullet *>(c->peer), rays[k]);
+void closest(const contender *c, const cw_ray *rays, size_t n, cw_hit *hits) {
+    for (size_t k = 0; k < n; k++) hits[k] = trace(static_cast<const bullet *>(c->peer), rays[k]);
 }
 
-static void any(const contender *c, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    for (size_t k = 0; k < n; k++) occluded[k] = trace(static_cast<const peer_bullet *>(c->peer), rays[k]).i >= 0;
+void any(const contender *c, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    for (size_t k = 0; k < n; k++) occluded[k] = trace(static_cast<const bullet *>(c->peer), rays[k]).i >= 0;
 }
 
-void contender_from_bullet(contender *c, const peer_bullet *peer) {
+void enter(contender *c, const void *peer, unsigned width, bool) {
     std::memset(c, 0, sizeof *c);
-    c->width = c->threads = 1;
+    std::strcpy(c->name, "w1");
+    c->width = c->threads = width;
     c->closest = closest;
     c->any = any;
     c->peer = peer;
 }
+} // namespace
+
+const peer_kind peer_bullet = {"bullet", "libbullet-dev", "present", PEER_ACCELERATED, {1},  {16, 16},
+                               nullptr,  create,          destroy,   bytes_of,         enter};

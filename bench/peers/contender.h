@@ -9,9 +9,8 @@ enum { CONTENDER_NAME = 64 };
 
 typedef struct contender contender;
 struct contender {
-    char name[CONTENDER_NAME]; /* "packet8/watertight", "embree/triangles/w8" */
+    char name[CONTENDER_NAME]; /* "packet8/watertight", "embree:w8" */
     unsigned width, threads;
-    bool embree; /* counts for "Embree's best width" */
     void (*closest)(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits);
     void (*any)(const contender *self, const cw_ray *rays, size_t n, uint8_t *occluded);
     /* A kernel of the library on a field; or another program's structures. */

@@ -138,7 +138,7 @@ static void print_counts(const stability *s) {
 static bool run(const settings *o, batch_range range, io_error *error) {
     static stability s;
     const uint64_t all = range.end;
-    const bool embree = !o->no_embree && peer_embree_version();
+    const bool embree = !o->no_embree && peer_embree.version;
     if (!o->no_embree && !embree) fputs("cellwalk-stability: built without Embree, which is left out\n", stderr);
     const stability_shares shares = {.others = 16, .slow = 128, .peers = embree ? 16 : 0};
     bool good = stability_make(&s, shares, o->sample, error);

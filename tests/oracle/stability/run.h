@@ -4,9 +4,9 @@
 #ifndef CELLWALK_TESTS_STABILITY_RUN_H
 #define CELLWALK_TESTS_STABILITY_RUN_H
 
+#include "io_error.h"
 #include "oracle.h"
-#include "peers/contender.h"
-#include "peers/embree.h"
+#include "peers/peer.h"
 #include "stability/aimed.h"
 #include "workload/fields.h"
 
@@ -61,7 +61,7 @@ typedef struct stability_field {
 typedef struct stability {
     stability_field field[AIMED_FIELDS];
     tested tested[AIMED_FIELDS][CONTENDERS_MAX];
-    peer_embree *peers[AIMED_FIELDS][2];
+    void *peers[AIMED_FIELDS][2]; /* Embree's, plain and robust */
     unsigned contenders;
     counts count[CONTENDERS_MAX][AIM_COUNT][START_COUNT];
     unsigned sample;  /* one ray in so many is judged in full */

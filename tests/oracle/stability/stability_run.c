@@ -53,12 +53,12 @@ static bool add_kernels(stability *s, size_t f, const stability_shares *shares, 
 
 static bool add_peers(stability *s, size_t f, const stability_shares *shares, unsigned *n, io_error *error) {
     for (int robust = 0; robust < 2; robust++) {
-        const peer_options o = {.isa = cw_isa_best(), .quality = PEER_HIGH, .robust = robust};
-        s->peers[f][robust] = peer_embree_create(s->field[f].field, &o, error);
+        s->peers[f][robust] = peer_embree.create(s->field[f].field, cw_isa_best(), robust ? PEER_ROBUST : 0, error);
         if (s->peers[f][robust] == NULL) return false;
         for (unsigned width = 1; width <= 8; width += 7) {
             tested *t = &s->tested[f][(*n)++];
-            contender_from_peer(&t->contender, s->peers[f][robust], width, false, robust ? "embree-robust" : "embree");
+            peer_embree.enter(&t->contender, s->peers[f][robust], width, false);
+            snprintf(t->contender.name, sizeof t->contender.name, "embree%s/w%u", robust ? "-robust" : "", width);
             t->role = ROLE_OTHER_RULES;
             t->every = shares->peers;
             t->turn = 2 * (unsigned)robust + width / 8;
@@ -91,7 +91,7 @@ bool stability_make(stability *s, stability_shares shares, unsigned sample, io_e
 
 void stability_free(stability *s) {
     for (size_t f = 0; f < AIMED_FIELDS; f++) {
-        for (int robust = 0; robust < 2; robust++) peer_embree_destroy(s->peers[f][robust]);
+        for (int robust = 0; robust < 2 && peer_embree.version; robust++) peer_embree.destroy(s->peers[f][robust]);
         cw_field_destroy(s->field[f].field);
         oracle_destroy(s->field[f].oracle);
         workload_field_free(&s->field[f].samples);

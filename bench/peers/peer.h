@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Other programs that answer the same rays on the same field: a row each, behind one file. All are optional: one that was not
+ * installed has no version, and nothing of it can be made.
+ *
+ * Embree (Wald et al. 2014) has the field as a triangle mesh or as its grid geometry. Its time includes reading rays from an array
+ * of cw_ray, filling packets, tracing and writing cw_hit. Denormals are flushed to zero while it runs, as its manual recommends.
+ *
+ * Bullet, a physics engine of games and robots, has a height field and takes one ray a call, as its users ask. Its accelerator is
+ * not on by default, and loses hits: at 257 x 257 samples 4 % of random rays, where without it all agree. */
+#ifndef CELLWALK_BENCH_PEERS_PEER_H
+#define CELLWALK_BENCH_PEERS_PEER_H
+
+#include "peers/contender.h"
+
+struct io_error;
+
+/* Of a structure: Embree's grid, its default quality instead of its highest, its flag ROBUST; Bullet's accelerator. */
+enum { PEER_GRID = 1, PEER_MEDIUM = 2, PEER_ROBUST = 4, PEER_ACCELERATED = 8, PEER_OPTIONS = 16 };
+enum { PEER_KINDS = 2, PEER_WIDTHS = 4 };
+
+typedef struct peer_kind {
+    const char *name, *package, *version; /* "embree", "libembree-dev", "3.13.5"; version is NULL if it is not built */
+    unsigned options;                     /* those above that it has */
+    unsigned widths[PEER_WIDTHS];         /* rays a call; 0: no more */
+    /* Bytes a cell that it takes at most while it builds, without and with PEER_GRID. */
+    double needs[2];
+    /* True if the library was compiled with its assertions, which cost speed. Debian's Embree is. NULL: not known. */
+    bool (*has_assertions)(void);
+    /* The field must stay until destroy. isa is the widest set that it may use. NULL with the reason in error, or without memory. */
+    void *(*create)(const cw_field *field, cw_isa isa, unsigned options, struct io_error *error);
+    void (*destroy)(void *peer);
+    /* All that it holds, samples included. seconds: CPU time of building, without making vertex and index arrays; may be left. */
+    size_t (*bytes)(const void *peer, double *seconds);
+    /* Called "wWIDTH", or "wWIDTH-split" if packets of this width are taken to pieces. coherent: rays are announced as that. */
+    void (*enter)(contender *c, const void *peer, unsigned width, bool coherent);
+} peer_kind;
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+extern const peer_kind peer_embree, peer_bullet;
+extern const peer_kind *const peer_kinds[PEER_KINDS];
+#ifdef __cplusplus
+}
+#endif
+
+#endif
