@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The guard against slow-downs: counts the instructions of a fixed small workload (counted_work.c) under callgrind and compares them with
-committed figures, so that a slow-down is found without timing.
+"""The guard against slow-downs: counts the instructions of the plan "guard" under callgrind and compares them with committed figures, so
+that a slow-down is found without timing.
 
 Instructions repeat to the last digit, on a loaded machine and on another one, because callgrind simulates a CPU with a fixed set
 of features (up to AVX2, without AVX-512). They do not show cache and TLB misses, mispredicted branches, slow instructions in place
@@ -11,6 +11,7 @@ other build is skipped.
 Exit status: 0 within the tolerance, 1 beyond it or failed, 77 if there is nothing to compare."""
 
 import argparse
+import json
 import os
 import shutil
 import subprocess
@@ -18,7 +19,7 @@ import sys
 
 TOLERANCE = 2  # per cent: for changes of the source that mean nothing, such as a constant in another register
 SKIPPED = 77
-HEADING = "kernel,leaf,field,rays,count,instructions"
+HEADING = "workload,contender,count,instructions"
 
 
 def counts(profile, program):
@@ -41,15 +42,15 @@ def counts(profile, program):
     return parts
 
 
-def join(runs, parts):
-    """What the work printed, with its counts: {kernel,leaf,field,rays: (count, instructions)}; and the kernels that cannot run."""
+def join(results, parts):
+    """Results of measure with their counts: {workload,contender: (rays, instructions)}; and those that cannot run here."""
     found, absent, parts = {}, set(), iter(parts)
-    for line in runs:
-        kind, *words = line.strip().split(",")
-        if kind == "absent":
-            absent.add(words[0])
-        else:
-            found[",".join(words[:4])] = (int(words[4]), next(parts))
+    for line in map(json.loads, results):
+        name = f"{line.get('workload')},{line.get('contender')}"
+        if "counted" in line:
+            found[name] = (line["counted"], next(parts))
+        elif "left_out" in line:
+            absent.add(name)
     if not found or any(count == 0 for _, count in found.values()):
         raise SystemExit("guard.py: callgrind counted nothing of the work")
     return found, absent
@@ -64,10 +65,10 @@ def read(path):
             if line.startswith("# ") and ": " in line:
                 about.update([line[2:].split(": ", 1)])
             elif not line.startswith("#") and line != HEADING:
-                words = line.split(",")
-                if len(words) != 6 or not (words[4] + words[5]).isdigit():
+                name, *words = line.rsplit(",", 2)
+                if len(words) != 2 or not "".join(words).isdigit():
                     raise SystemExit(f"{path}:{number}: not a line of figures")
-                figures[",".join(words[:4])] = (int(words[4]), int(words[5]))
+                figures[name] = (int(words[0]), int(words[1]))
     return about.get("compiler"), about.get("flags"), figures
 
 
@@ -85,7 +86,7 @@ def compare(committed, now, absent):
             sentences.append(f"{name}: {instructions} instructions ({instructions / count:.1f} a ray), {change:+.1f} % from {before}")
             bad = bad or instructions > before
     for name in committed.keys() - now.keys():
-        if name.split(",")[0] not in absent:
+        if name not in absent:
             sentences.append(f"{name}: there is a figure, but this program does not trace them")
             bad = True
     return sentences, bad
@@ -93,20 +94,20 @@ def compare(committed, now, absent):
 
 def run(work, folder):
     name = os.path.join(folder, "guard")
-    command = ["valgrind", "-q", "--tool=callgrind", "--collect-atstart=no", "--toggle-collect=guard_trace",
-               "--dump-after=guard_trace", "--combine-dumps=yes", "--compress-strings=no", "--compress-pos=no",
-               f"--callgrind-out-file={name}.callgrind", work]
+    command = ["valgrind", "-q", "--tool=callgrind", "--collect-atstart=no", "--toggle-collect=measure_counted",
+               "--dump-after=measure_counted", "--combine-dumps=yes", "--compress-strings=no", "--compress-pos=no",
+               f"--callgrind-out-file={name}.callgrind", work, "measure", "guard", "--count", "256", "--no-pin", "-o", f"{name}.jsonl"]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         raise SystemExit(f"guard.py: valgrind on {work}: {done.stderr.strip()}")
-    with open(f"{name}.callgrind", encoding="utf-8", errors="replace") as profile:
-        return join(done.stdout.splitlines(), counts(profile, os.path.basename(work)))
+    with open(f"{name}.callgrind", encoding="utf-8", errors="replace") as profile, open(f"{name}.jsonl", encoding="utf-8") as results:
+        return join(results, counts(profile, os.path.basename(work)))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=["check", "update"])
-    parser.add_argument("work", help="the program cellwalk-counted-work")
+    parser.add_argument("work", help="the program cellwalk-bench")
     parser.add_argument("figures", help="guard.csv")
     parser.add_argument("--compiler", required=True)
     parser.add_argument("--flags", required=True)
@@ -123,14 +124,14 @@ def main():
     now, absent = run(options.work, options.folder)
     if options.what == "check":
         sentences, bad = compare(committed, now, absent)
-        print("\n".join([*sentences, f"{len(now)} counts, tolerance {TOLERANCE} %, {len(absent)} kernels cannot run here"]))
+        print("\n".join([*sentences, f"{len(now)} counts, tolerance {TOLERANCE} %, {len(absent)} of kernels that cannot run here"]))
         if sentences:
             print("If this is meant, rewrite the figures and commit them with the change that explains them:\n"
                   "  cmake --build --preset ci --target guard-update")
         return 1 if bad else 0
-    kept = {name: figure for name, figure in committed.items() if name.split(",")[0] in absent and not other}
+    kept = {name: figure for name, figure in committed.items() if name in absent and not other}
     with open(options.figures + ".new", "w", encoding="utf-8") as file:
-        file.write("# Instructions of the guard's workload; written by the build target guard-update.\n"
+        file.write("# Instructions of the plan guard; written by the build target guard-update.\n"
                    f"# compiler: {options.compiler}\n# flags: {options.flags}\n{HEADING}\n")
         for name, (count, instructions) in {**now, **kept}.items():
             file.write(f"{name},{count},{instructions}\n")

@@ -14,8 +14,8 @@
 #include <jansson.h>
 
 /* METRIC_AGREE: answers are compared with the reference's. METRIC_ERROR: they are held against the truth. METRIC_TIME: the
- * contenders are timed, after they were compared. */
-enum { METRIC_AGREE = 1, METRIC_ERROR = 2, METRIC_TIME = 4 };
+ * contenders are timed, after they were compared. METRIC_INSTRUCTIONS: they run once, in measure_counted, for callgrind. */
+enum { METRIC_AGREE = 1, METRIC_ERROR = 2, METRIC_TIME = 4, METRIC_INSTRUCTIONS = 8 };
 enum { MEASURE_NAME = 256, ENTRANTS_MAX = 48, FACTOR_MAX = 64 };
 
 typedef struct measure_options {
@@ -140,6 +140,8 @@ typedef struct ray_contender {
 bool contenders_of(land *l, const char *name, bool coherent, cw_isa isa, ray_contender out[WIDTHS_MAX], size_t *count,
                    char why[192], io_error *error);
 void contenders_leave(ray_contender *c);
+/* contender_run under a name that callgrind finds. */
+void measure_counted(contender_pass *pass);
 extern const char contenders_help[];
 
 /* ---- errors.c: answers to rays before the exact oracle ---- */

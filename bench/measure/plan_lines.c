@@ -17,17 +17,20 @@ const workload_kind *measure_kind(size_t number) {
 }
 
 static bool metrics_of(char *text, unsigned *metrics) {
+    static const struct {
+        const char *name;
+        unsigned metrics;
+    } all[] = {{"time", METRIC_TIME | METRIC_AGREE},
+               {"agree", METRIC_AGREE},
+               {"error", METRIC_ERROR},
+               {"instructions", METRIC_INSTRUCTIONS}};
     *metrics = 0;
     char *rest = text;
     for (char *word; (word = strsep(&rest, ",")) != NULL;) {
-        if (strcmp(word, "time") == 0)
-            *metrics |= METRIC_TIME | METRIC_AGREE;
-        else if (strcmp(word, "agree") == 0)
-            *metrics |= METRIC_AGREE;
-        else if (strcmp(word, "error") == 0)
-            *metrics |= METRIC_ERROR;
-        else
-            return false;
+        size_t k = 0;
+        while (k < sizeof all / sizeof *all && strcmp(word, all[k].name) != 0) k++;
+        if (k == sizeof all / sizeof *all) return false;
+        *metrics |= all[k].metrics;
     }
     return true;
 }
@@ -104,7 +107,7 @@ bool measure_plan_read(plan *p, const char *name, const char *field, io_error *e
         p->texts[p->text_count++] = text;
         good = take_line(p, text, field) || io_fail(error,
                                                     "%s:%zu: a line is FIELD/WORK CONTENDERS METRICS [ISAS], with "
-                                                    "commas in lists; metrics are time, agree and error",
+                                                    "commas in lists; metrics are time, agree, error and instructions",
                                                     path, number);
     }
     if (good && ferror(file)) good = io_fail(error, "%s: %s", path, strerror(errno));

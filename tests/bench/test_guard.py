@@ -30,9 +30,10 @@ def test_only_the_programs_own_code_counts_once():
 
 
 def test_parts_go_to_runs_in_order():
-    lines = ["run,cell,watertight,65,primary,16", "absent,packet16,avx512", "run,cell,watertight,65,ao,8"]
+    lines = ['{"kind": "run"}', '{"workload": "65/primary", "contender": "cell", "counted": 16}',
+             '{"workload": "65/ao", "contender": "packet16", "left_out": "why"}', '{"workload": "65/ao", "contender": "cell", "counted": 8}']
     found, absent = guard.join(lines, [107, 55])
-    assert found == {"cell,watertight,65,primary": (16, 107), "cell,watertight,65,ao": (8, 55)} and absent == {"packet16"}
+    assert found == {"65/primary,cell": (16, 107), "65/ao,cell": (8, 55)} and absent == {"65/ao,packet16"}
     with pytest.raises(SystemExit, match="counted nothing"):
         guard.join(lines, [107, 0])
 
@@ -55,8 +56,8 @@ def test_verdicts(now, absent, sentences, bad):
 
 def test_figures_are_read_and_a_damaged_line_is_named(tmp_path):
     path = tmp_path / "guard.csv"
-    path.write_text(f"# a note\n# compiler: GNU 12\n# flags: -O3 -x\n{guard.HEADING}\ncell,watertight,65,ao,8,55\n")
-    assert guard.read(path) == ("GNU 12", "-O3 -x", {"cell,watertight,65,ao": (8, 55)})
-    path.write_text(path.read_text() + "cell,watertight,65,ao,8,-\n")
+    path.write_text(f"# a note\n# compiler: GNU 12\n# flags: -O3 -x\n{guard.HEADING}\n65/ao,cell:watertight,8,55\n")
+    assert guard.read(path) == ("GNU 12", "-O3 -x", {"65/ao,cell:watertight": (8, 55)})
+    path.write_text(path.read_text() + "65/ao,cell:watertight,8,-\n")
     with pytest.raises(SystemExit, match="guard.csv:6: not a line of figures"):
         guard.read(path)
