@@ -21,6 +21,7 @@ from rasterio.windows import Window
 
 import cellwalk as cw
 import cellwalk.dask as cwd
+from terrain import record
 
 PRODUCTS = {
     "shadow": ({"azimuth": 250, "altitude": 12}, ["shadow", "--sun", "250,12"]),
@@ -88,10 +89,8 @@ def main():
         make_raster(o.raster, o.side)
     with rasterio.open(o.raster) as file:
         shape = file.shape
-    commit = subprocess.run(["git", "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True).stdout.strip()
-    result = {"kind": "run", "command": "python_dask", "commit": commit, "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
-              "cellwalk": cw.__version__, "shape": list(shape), "raster_bytes": 4 * shape[0] * shape[1]}
-    print(json.dumps(result))
+    isa = [k.isa for k in cw.kernels() if k.available][-1]
+    print(json.dumps(record("python_dask", "", isa, cellwalk=cw.__version__, shape=list(shape), raster_bytes=4 * shape[0] * shape[1])))
     with tempfile.TemporaryDirectory(dir=pathlib.Path(o.raster).parent) as folder:
         for product in o.products:
             out = pathlib.Path(folder) / f"{product}.tif"

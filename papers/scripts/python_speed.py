@@ -13,6 +13,7 @@ import time
 import numpy as np
 
 import cellwalk as cw
+from terrain import record, said
 
 options = argparse.ArgumentParser(description=__doc__)
 options.add_argument("--tool", required=True)
@@ -64,15 +65,14 @@ contenders = {
 }
 wanted = field.closest(rays)
 assert (field.closest(org, dirs).t == wanted.t).all()
-commit = subprocess.run(["git", "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True).stdout.strip()
-result = {"commit": commit, "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), "numpy": np.__version__, "rays": len(rays), "side": o.side, "threads": o.threads, "hit": float(wanted.hit.mean()),
-          "mapped_cells_differ": int(((mapped.closest(user).i != wanted.i) | (mapped.closest(user).j != wanted.j)).sum())}
+there = mapped.closest(user)
+about = {"numpy": np.__version__, "rays": len(rays), "side": o.side, "threads": o.threads, "hit": float(wanted.hit.mean()),
+         "mapped_cells_differ": int(((there.i != wanted.i) | (there.j != wanted.j)).sum())}
 times = {name: [] for name in contenders}
 for turn in range(o.rounds):
     for name in sorted(contenders, key=lambda n: hash((turn, n))):
         times[name].append(contenders[name]())
-machine = json.loads(subprocess.run([o.tool, "info", "--json"], check=True, capture_output=True, text=True).stdout)
-print(json.dumps({"kind": "run", "command": "python_speed", "isa": machine["isa"], "cpu": machine["cpu"], **result}))
+print(json.dumps(record("python_speed", "", json.loads(said(o.tool, "info", "--json"))["isa"], **about)))
 base = min(times["C query, float32 rays"])
 for name, t in times.items():
     print(json.dumps({"kind": "call", "call": name, "least": min(t), "median": float(np.median(t)), "over_C": min(t) / base}))

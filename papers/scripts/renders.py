@@ -7,14 +7,18 @@ differs is a failure."""
 import argparse
 import os
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
 import zipfile
-import zlib
 
-from draw import Problem
+from draw import SKIPPED, Problem
+
+try:
+    import numpy as np
+    from matplotlib import image
+except ImportError:
+    image = None
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Picture: scene and options of cellwalk render; or the output of the README's command that makes it.
@@ -48,49 +52,16 @@ def render(tool, scenes, name, output, root):
         raise Problem(f"{tool} {' '.join(words)} failed with status {done.returncode}: {done.stderr.strip()}")
 
 
-def pixels(path):
-    """Width, height and rows of bytes of a PNG of 8-bit RGB, which cellwalk writes."""
-    with open(path, "rb") as file:
-        data = file.read()
-    at, header, packed = 8, None, b""
-    while at < len(data):
-        length, kind = struct.unpack(">I4s", data[at:at + 8])
-        body = data[at + 8:at + 8 + length]
-        header = struct.unpack(">IIBBBBB", body) if kind == b"IHDR" else header
-        packed += body if kind == b"IDAT" else b""
-        at += length + 12
-    if data[:8] != b"\x89PNG\r\n\x1a\n" or header is None or header[2:] != (8, 2, 0, 0, 0):
-        raise Problem(f"{path}: is no PNG of 8-bit RGB")
-    width, height = header[:2]
-    raw, step = zlib.decompress(packed), 3
-    rows, above = [], bytes(width * step)
-    for y in range(height):
-        kind, *line = raw[y * (width * step + 1):(y + 1) * (width * step + 1)]
-        for x in range(len(line)):
-            left, up, corner = (line[x - step], above[x], above[x - step]) if x >= step else (0, above[x], 0)
-            if kind == 4:  # Paeth: whichever of the three is nearest to left + up - corner
-                near = left + up - corner
-                guess = min((left, up, corner), key=lambda value: abs(near - value))
-            else:
-                guess = (0, left, up, (left + up) // 2)[kind]
-            line[x] = (line[x] + guess) & 255
-        above = line
-        rows.append(bytes(line))
-    return width, height, rows
-
-
 def compare(name, wanted, rendered):
-    have, want = pixels(wanted), pixels(rendered)
-    if have[:2] != want[:2]:
-        raise Problem(f"{wanted}: has {have[0]} x {have[1]} pixels, rendered are {want[0]} x {want[1]}")
-    differ = [(x // 3, y, abs(a - b)) for y, (row, other) in enumerate(zip(have[2], want[2])) if row != other
-              for x, (a, b) in enumerate(zip(row, other)) if a != b]
-    if differ:
-        x, y, _ = differ[0]
-        raise Problem(f"{wanted}: {len({place[:2] for place in differ})} pixels differ from what is rendered, by at most "
-                      f"{max(place[2] for place in differ)} of 255; the first is ({x}, {y}). papers/scripts/renders.py "
-                      "renders it again")
-    print(f"{name}: all {have[0]} x {have[1]} pixels are equal")
+    have, want = (np.rint(255 * image.imread(path)).astype(int) for path in (wanted, rendered))
+    if have.shape != want.shape:
+        raise Problem(f"{wanted}: has {have.shape[1]} x {have.shape[0]} pixels, rendered are {want.shape[1]} x {want.shape[0]}")
+    differ = np.argwhere((have != want).any(axis=2))
+    if len(differ):
+        y, x = differ[0]
+        raise Problem(f"{wanted}: {len(differ)} pixels differ from what is rendered, by at most {np.abs(have - want).max()} of 255; the first "
+                      f"is ({x}, {y}). papers/scripts/renders.py renders it again")
+    print(f"{name}: all {have.shape[1]} x {have.shape[0]} pixels are equal")
 
 
 def main():
@@ -100,6 +71,9 @@ def main():
     parser.add_argument("--scenes", default="build/release/bench/scenes", help="the folder of scenes in the build tree")
     parser.add_argument("--root", default=ROOT, help="where papers/ is")
     options = parser.parse_args()
+    if options.check and image is None:
+        print("renders.py: pictures are not compared: that needs matplotlib (Debian: python3-matplotlib)")
+        return SKIPPED
     for name in RENDERS:
         if isinstance(RENDERS[name], str) and not os.path.exists(TERRAIN):
             print(f"{name}: left out, since {TERRAIN} is not there (Debian: python3-matplotlib)")
@@ -116,6 +90,6 @@ def main():
 
 if __name__ == "__main__":
     try:
-        main()
+        sys.exit(main())
     except (Problem, OSError) as problem:
         sys.exit(f"renders.py: {problem}")

@@ -114,10 +114,13 @@ class Clock:
                     wall, user, system, kilobytes = map(float, report.read().split())
                 old = best.get(key, (np.inf, np.inf, 0))
                 best[key] = min(old[0], wall), min(old[1], user + system), max(old[2], kilobytes)
-        for key, (program, product, part, whole, _) in enumerate(runs):
-            wall, cpu, kilobytes = best[key]
-            self.lines.append({"kind": "time", "program": program, "product": product, "side": side, "part": part,
-                               "whole": whole, "wall_seconds": wall, "cpu_seconds": cpu, "kilobytes": kilobytes})
+        for key, (*about, _) in enumerate(runs):
+            self.add(side, about, *best[key])
+
+    def add(self, side, about, wall, cpu, kilobytes):
+        program, product, part, whole = about
+        self.lines.append({"kind": "time", "program": program, "product": product, "side": side, "part": part, "whole": whole,
+                           "wall_seconds": wall, "cpu_seconds": cpu, "kilobytes": kilobytes})
 
 
 def grass(script, folder):
@@ -128,17 +131,13 @@ def grass(script, folder):
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def grass_timed(clock, program, product, side, part, whole, dem, command, outputs, folder, before=(), after=()):
-    """The time of one GRASS module, with its raster already imported; outputs: map and file."""
+def grass_timed(clock, program, product, side, part, whole, dem, command, output, folder):
+    """The time of one GRASS module, with its raster already imported; output: map and file."""
     report = os.path.join(folder, "report")
-    lines = [f"r.in.gdal -o --q input={dem} output=dem", "g.region raster=dem", *before,
-             f"/usr/bin/time -o {report} -f '%e %U %S %M' {command}"]
-    lines += [f"r.out.gdal --q -c input={name} output={path} format=GTiff --o" for name, path in outputs]
-    lines += after
-    grass("\n".join(lines) + "\n", folder)
+    grass(f"r.in.gdal -o --q input={dem} output=dem\ng.region raster=dem\n/usr/bin/time -o {report} -f '%e %U %S %M' {command}\n"
+          f"r.out.gdal --q -c input={output[0]} output={output[1]} format=GTiff --o\n", folder)
     wall, user, system, kilobytes = map(float, open(report, encoding="ascii").read().split())
-    clock.lines.append({"kind": "time", "program": program, "product": product, "side": side, "part": part,
-                        "whole": whole, "wall_seconds": wall, "cpu_seconds": user + system, "kilobytes": kilobytes})
+    clock.add(side, (program, product, part, whole), wall, user + system, kilobytes)
 
 
 # ---- comparisons ------------------------------------------------------------------------------------------------------
@@ -226,16 +225,6 @@ def compare_maps(tool, folder):
 
 # ---- needed heights ---------------------------------------------------------------------------------------------------
 
-def measure_needed(tool, clock, side, dem, out):
-    """Heights that are needed to be seen, beside those of gdal_viewshed."""
-    x, y = place(side, side // 2, side // 2)
-    clock.run([("cellwalk, 1 thread", "viewshed --needed", 1, 1,
-                [tool, "viewshed", dem + ".tif", "--from", f"{x},{y},2", "--needed", "--threads", "1", "-o", out("needed")]),
-               ("gdal_viewshed -om DEM", "viewshed --needed", 1, 1,
-                ["gdal_viewshed", "-q", "-om", "DEM", "-ox", str(x), "-oy", str(y), "-oz", "2", "-md", "0", "-cc", str(K),
-                 dem + ".tif", out("gdalneeded")])], side)
-
-
 def compare_needed(z, side, out):
     """Against every edge on the way to some samples. What is seen needs nothing."""
     eye = (side // 2, side // 2, float(z[side // 2, side // 2]) + 2)
@@ -259,35 +248,28 @@ def measure(tool, side, clock, folder):
     write_dem(z, dem)
     x, y = place(side, side // 2, side // 2)
     out = lambda name: os.path.join(folder, f"{name}{side}.tif")  # noqa: E731
-    view = [tool, "viewshed", dem + ".tif", "--from", f"{x},{y},2"]
-    runs = [("cellwalk, 2 threads", "viewshed", 1, 1, [*view, "--threads", "2", "-o", out("view")]),
-            ("cellwalk, 1 thread", "viewshed", 1, 1, [*view, "--threads", "1", "-o", out("view")]),
-            ("gdal_viewshed", "viewshed", 1, 1, ["gdal_viewshed", "-q", "-ox", str(x), "-oy", str(y), "-oz", "2", "-md",
-                                                 "0", "-cc", str(K), dem + ".tif", out("gdal")]),
-            *((f"cellwalk, {t} thread{'s'[:t > 1]}", "shadow", 1, 1,
-               [tool, "shadow", dem + ".tif", "--sun", "225,20", "--threads", str(t), "-o", out("shadow")]) for t in (2, 1))]
+    view = [tool, "viewshed", dem + ".tif", "--from", f"{x},{y},2", "--threads", "1"]
+    gdal = ["gdal_viewshed", "-q", "-ox", str(x), "-oy", str(y), "-oz", "2", "-md", "0", "-cc", str(K), dem + ".tif"]
+    ours, whole = "cellwalk, 1 thread", "horizon, 32 directions"
+    runs = [(ours, "viewshed", 1, 1, [*view, "-o", out("view")]), ("gdal_viewshed", "viewshed", 1, 1, [*gdal, out("gdal")]),
+            (ours, "viewshed --needed", 1, 1, [*view, "--needed", "-o", out("needed")]),
+            ("gdal_viewshed -om DEM", "viewshed --needed", 1, 1, [*gdal[:2], "-om", "DEM", *gdal[2:], out("gdalneeded")]),
+            (ours, "shadow", 1, 1, [tool, "shadow", dem + ".tif", "--sun", "225,20", "--threads", "1", "-o", out("shadow")])]
     if side <= 1025:
-        runs += [(f"cellwalk, {t} thread{'s'[:t > 1]}", "horizon, 32 directions", 32, 32,
-                  [tool, "horizon", dem + ".tif", "--threads", str(t), "-o", out("horizon")]) for t in (2, 1)]
-        runs += [(f"cellwalk, 2 threads, --compress {c}", "horizon, 32 directions", 32, 32,
-                  [tool, "horizon", dem + ".tif", "--threads", "2", "--compress", c, "-o", out("horizon")])
-                 for c in ("zstd", "none")]
-        runs += [("cellwalk, 1 thread, to .npy", "horizon, 32 directions", 32, 32,
-                  [tool, "horizon", dem + ".tif", "--threads", "1", "-o", os.path.join(folder, "horizon.npy")])]
+        runs.append((ours, whole, 32, 32, [tool, "horizon", dem + ".tif", "--threads", "1", "-o", out("horizon")]))
     clock.run(runs, side)
     lines, rng = [], np.random.default_rng(1)
     eye = (side // 2, side // 2, float(z[side // 2, side // 2]) + 2)
-    ours = read(out("view"), side)
-    lines += compare_views(z, eye, ours, read(out("gdal"), side), "gdal_viewshed", rng)
-    measure_needed(tool, clock, side, dem, out)
+    seen = read(out("view"), side)
+    lines += compare_views(z, eye, seen, read(out("gdal"), side), "gdal_viewshed", rng)
     lines += compare_needed(z, side, out)
     if side <= 1025:
         grass_timed(clock, "r.viewshed", "viewshed", side, 1, 1, dem + ".tif",
                     f"r.viewshed --q -b -c -r input=dem output=v coordinates={x},{y} observer_elevation=2 memory=2000",
-                    [("v", out("grass"))], folder)
-        lines += compare_views(z, eye, ours, read(out("grass"), side), "r.viewshed", rng)
-        grass_timed(clock, "r.horizon", "horizon, 32 directions", side, 2, 32, dem + ".tif",
-                    "r.horizon --q -d elevation=dem step=180 start=30 output=h", [("h_030", out("grassh"))], folder)
+                    ("v", out("grass")), folder)
+        lines += compare_views(z, eye, seen, read(out("grass"), side), "r.viewshed", rng)
+        grass_timed(clock, "r.horizon", whole, side, 2, 32, dem + ".tif",
+                    "r.horizon --q -d elevation=dem step=180 start=30 output=h", ("h_030", out("grassh")), folder)
         subprocess.run([tool, "horizon", dem + ".tif", "--directions", "1", "--start", "60", "-o", out("one")], check=True)
         lines += compare_horizons(z, read(out("one"), side), read(out("grassh"), side), 60, rng)
     return lines
@@ -303,9 +285,17 @@ def draw(tool, folder):
         shutil.copy(os.path.join(folder, f"{name}.png"), os.path.join(ROOT, f"papers/pictures/terrain-{name}.png"))
 
 
-def cpu_name():
+def said(*command):
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def record(command, arguments, isa, **more):
+    """The first line of a file of results: what they depend on."""
     with open("/proc/cpuinfo", encoding="utf-8") as file:
-        return re.search(r"model name\s*: (.*)", file.read()).group(1)
+        cpu = re.search(r"model name\s*: (.*)", file.read()).group(1)
+    return {"kind": "run", "command": command, "arguments": arguments, "cpu": cpu, "isa": isa,
+            "commit": said("git", "-C", ROOT, "rev-parse", "--short=10", "HEAD"), **more, "load": round(os.getloadavg()[0], 2),
+            "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}
 
 
 def main():
@@ -322,16 +312,11 @@ def main():
             draw(tool, folder)
             return
         clock, lines = Clock(options.rounds), []
-        load = os.getloadavg()[0]
+        run = record("terrain", f"--sides {options.sides} --rounds {options.rounds}", json.loads(said(tool, "info", "--json"))["isa"],
+                     gdal=said("gdalinfo", "--version").split(",")[0], grass="GRASS " + said("grass", "--config", "version"))
         for side in map(int, options.sides.split(",")):
             lines += measure(tool, side, clock, folder)
         lines += compare_maps(tool, folder)
-    version = lambda *command: subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: E731
-    run = {"kind": "run", "command": "terrain", "arguments": f"--sides {options.sides} --rounds {options.rounds}",
-           "cpu": cpu_name(), "isa": json.loads(version(tool, "info", "--json"))["isa"],
-           "commit": version("git", "-C", ROOT, "rev-parse", "--short=10", "HEAD"),
-           "gdal": version("gdalinfo", "--version").split(",")[0], "grass": "GRASS " + version("grass", "--config", "version"),
-           "load": round(load, 2), "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}
     with open(os.path.join(ROOT, "papers/data/terrain.json"), "w", encoding="utf-8") as file:
         for line in [run, *clock.lines, *lines]:
             file.write(json.dumps(line, separators=(",", ":")) + "\n")

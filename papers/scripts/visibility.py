@@ -6,7 +6,6 @@ triangles, since edges stick out. Prints papers/data/visibility.json, with --tim
 python3-matplotlib for its elevation model, and the Python module (PYTHONPATH)."""
 
 import argparse
-import datetime
 import json
 import math
 import os
@@ -127,12 +126,8 @@ def main():
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--sides", type=int, nargs="+", default=[1025, 4097, 6000])
     options = parser.parse_args()
-    root = terrain.ROOT
     how = f"--time TOOL --rounds {options.rounds} --sides {' '.join(map(str, options.sides))}" if options.time else f"--eyes {options.eyes}"
-    print(json.dumps({"kind": "run", "command": "visibility", "arguments": how, "cpu": terrain.cpu_name(),
-                      "isa": [k.isa for k in cw.kernels() if k.available][-1],
-                      "commit": subprocess.run(["git", "-C", root, "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True).stdout.strip(),
-                      "load": os.getloadavg()[0], "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}))
+    print(json.dumps(terrain.record("visibility", how, [k.isa for k in cw.kernels() if k.available][-1])))
     if options.time:
         with tempfile.TemporaryDirectory() as folder:
             times(options.time, options.sides, options.rounds, folder)
