@@ -130,6 +130,16 @@ def test_a_raster_of_ones_own(tmp_path):
     assert done.stdout.count("default") == 7 and "land.npy/shadow" in done.stdout
 
 
+def test_a_raster_that_gdal_reads(tmp_path):
+    if os.environ.get("CELLWALK_GDAL") != "1":
+        pytest.skip("built without GDAL")
+    (tmp_path / "land.pgm").write_bytes(b"P5 40 30 255\n" + np.random.default_rng(1).integers(0, 9, (30, 40), np.uint8).tobytes())
+    assert "land.pgm/build" in run("measure", "--field", tmp_path / "land.pgm", *WIDE).stdout
+    for name, words in (("none.tif", "none.tif: "), ("one.pgm", "nx: 1 samples; a field has 2")):
+        (tmp_path / "one.pgm").write_bytes(b"P5 1 1 255\n\1")
+        assert words in run("measure", "--field", tmp_path / name, *WIDE, status=1).stderr
+
+
 def test_every_plan_that_ships_is_understood(tmp_path):
     names = {plan.stem for plan in PLANS.glob("*.plan")}
     help_text = " ".join(run("measure", "--help").stdout.split())
