@@ -160,17 +160,11 @@ static bool read_subject(render_command *c, const char **path) {
     const char *option = view_only(&c->view);
     const char *given = *path;
     c->terrain = c->view.dem != NULL || (given && !is_scene(given));
-    if (given && c->view.dem)
-        command_fail(name, "give either %s or --dem %s", given, c->view.dem);
-    else if (!given && !c->view.dem)
-        command_fail(name, "nothing to draw: give a scene or a raster");
-    else if (!c->terrain && option)
-        command_fail(name, "--%s is for rasters, and %s is a scene", option, given);
-    else {
-        *path = given ? given : c->view.dem;
-        return true;
-    }
-    return false;
+    if (given && c->view.dem) return command_refuse(name, "give either %s or --dem %s", given, c->view.dem);
+    if (!given && !c->view.dem) return command_refuse(name, "nothing to draw: give a scene or a raster");
+    if (!c->terrain && option) return command_refuse(name, "--%s is for rasters, and %s is a scene", option, given);
+    *path = given ? given : c->view.dem;
+    return true;
 }
 
 /* Whole numbers with a separator between each two, and nothing else. */
@@ -190,19 +184,16 @@ static bool read_numbers(const char *text, char separator, size_t count, size_t 
 static bool read_area(render_command *c) {
     size_t n[4];
     if (c->size != NULL) {
-        if (!read_numbers(c->size, 'x', 2, n) || n[0] == 0 || n[1] == 0) {
-            command_fail(name, "--size %s: not a width and a height from 1 to %d, as in 800x600", c->size, SIDE_MOST);
-            return false;
-        }
+        if (!read_numbers(c->size, 'x', 2, n) || n[0] == 0 || n[1] == 0)
+            return command_refuse(name, "--size %s: not a width and a height from 1 to %d, as in 800x600", c->size,
+                                  SIDE_MOST);
         c->width = n[0];
         c->height = n[1];
     }
     if (c->crop != NULL) {
-        if (!read_numbers(c->crop, ',', 4, n) || n[0] >= n[2] || n[1] >= n[3]) {
-            command_fail(name, "--crop %s: not X0,Y0,X1,Y1 with X0 < X1 <= %d and Y0 < Y1 <= %d", c->crop, SIDE_MOST,
-                         SIDE_MOST);
-            return false;
-        }
+        if (!read_numbers(c->crop, ',', 4, n) || n[0] >= n[2] || n[1] >= n[3])
+            return command_refuse(name, "--crop %s: not X0,Y0,X1,Y1 with X0 < X1 <= %d and Y0 < Y1 <= %d", c->crop,
+                                  SIDE_MOST, SIDE_MOST);
         c->part = (scene_crop){n[0], n[1], n[2], n[3]};
     }
     return true;

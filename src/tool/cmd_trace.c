@@ -210,18 +210,17 @@ static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.np
                                "  hits = numpy.load('hits.npy'); depth = hits['t']; missed = hits['i'] < 0\n";
 
 /* Options that exclude each other. */
-static bool wrong(const request *r, bool timing) {
+static bool check(const request *r, bool timing) {
     const bool to_stdout = r->hits && strcmp(r->hits, "-") == 0;
     if (r->hits == NULL && !timing)
-        command_fail("trace", "nothing to do: give -o HITS.npy for the hits, or --stats, --repeat or --json");
-    else if (r->any && (r->points || r->normals))
-        command_fail("trace", "--occluded finds no hits, so --points and --normals cannot be given");
-    else if (to_stdout && timing)
-        command_fail("trace", "standard output cannot take both the hits and the text of --stats, --repeat or --json");
-    else if (to_stdout && isatty(STDOUT_FILENO))
-        command_fail("trace", "standard output is a terminal, and hits are no text: give -o HITS.npy");
-    else
-        return false;
+        return command_refuse("trace", "nothing to do: give -o HITS.npy for the hits, or --stats, --repeat or --json");
+    if (r->any && (r->points || r->normals))
+        return command_refuse("trace", "--occluded finds no hits, so --points and --normals cannot be given");
+    if (to_stdout && timing)
+        return command_refuse("trace",
+                              "standard output cannot take both the hits and the text of --stats, --repeat or --json");
+    if (to_stdout && isatty(STDOUT_FILENO))
+        return command_refuse("trace", "standard output is a terminal, and hits are no text: give -o HITS.npy");
     return true;
 }
 
@@ -262,7 +261,7 @@ static int run(int argc, char **argv) {
     r.field = operands[0];
     r.rays = operands[1];
     const bool timing = r.repeat > 0 || r.json || r.stats;
-    if (wrong(&r, timing)) return EXIT_USAGE;
+    if (!check(&r, timing)) return EXIT_USAGE;
     if (r.repeat == 0) r.repeat = 1;
     cw_run query;
     if (!query_options_resolve(&r.query, usage.name, &query)) return EXIT_USAGE;

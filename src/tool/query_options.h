@@ -7,19 +7,18 @@
 #include "options.h"
 
 typedef struct query_options {
-    const char *kernel, *leaf, *isa; /* NULL: not given */
-    unsigned threads;                /* 0: one per CPU */
+    int kernel, leaf, isa; /* numbers of names; -1: not given */
+    unsigned threads;      /* 0: one per CPU */
 } query_options;
 
 /* The rows' places. */
 enum { QUERY_KERNEL, QUERY_LEAF, QUERY_ISA, QUERY_THREADS, QUERY_OPTION_COUNT };
 
-/* Fills in the four rows of a subcommand's table that set *q. */
+/* Sets *q to nothing given, and fills in the four rows of a subcommand's table that set it. */
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]);
 
-/* Limits the instruction set as --isa says, checks CELLWALK_ISA, and turns names into a query without a pool. Its
- * kernel stays NULL if none was named: cw_run_kernel then tells which one a field gets. False, after a message that
- * lists what there is, when that is impossible: end with EXIT_USAGE. To be called before any query runs. name is the
+/* Limits the instruction set as --isa says, checks CELLWALK_ISA, and turns numbers of names into a query without a pool. Its
+ * kernel stays NULL if none was named: cw_run_kernel then tells which one a field gets. False, after a message, when that is impossible: end with EXIT_USAGE. To be called before any query runs. name is the
  * subcommand's. */
 bool query_options_resolve(const query_options *q, const char *name, cw_run *query);
 

@@ -10,7 +10,7 @@ enum { RASTER_OPTION_COUNT = 7 };
 
 typedef struct raster_options {
     unsigned band;
-    double cellsize, zscale;
+    double cellsize, zscale; /* 0: not given */
     option_again nodata;
     bool network;
     ground_coarser coarser;

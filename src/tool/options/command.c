@@ -34,6 +34,14 @@ int command_fail(const char *name, const char *format, ...) {
     return EXIT_FAILURE;
 }
 
+bool command_refuse(const char *name, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    print_message(name, "", format, arguments);
+    va_end(arguments);
+    return false;
+}
+
 void command_note(const char *name, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);

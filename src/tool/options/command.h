@@ -32,8 +32,9 @@ int program_main(const program *p, int argc, char **argv);
  * with the signal. */
 enum { EXIT_USAGE = 2 };
 
-/* Prints "PROGRAM NAME: message", or "PROGRAM: message" if name is empty, and returns EXIT_FAILURE. */
+/* Prints "PROGRAM NAME: message", or "PROGRAM: message" if name is empty, and returns EXIT_FAILURE, or for checks false. */
 __attribute__((format(printf, 2, 3))) int command_fail(const char *name, const char *format, ...);
+__attribute__((format(printf, 2, 3))) bool command_refuse(const char *name, const char *format, ...);
 /* The same for what is no failure; "PROGRAM NAME: warning: message". */
 __attribute__((format(printf, 2, 3))) void command_note(const char *name, const char *format, ...);
 __attribute__((format(printf, 2, 3))) void command_warn(const char *name, const char *format, ...);

@@ -8,7 +8,6 @@
 #include "number.h"
 #include "words.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,30 +21,21 @@ const char *option_kernel_names(size_t number) {
 const char *option_isa_names(size_t number) { return cw_isa_name(CW_ISA_SCALAR + (cw_isa)number); }
 const char *option_leaf_names(size_t number) { return number < CW_LEAF_COUNT ? cw_leaf_name((cw_leaf)number) : NULL; }
 
-bool option_isa_find(const char *name, const char *what, const char *word, cw_isa *isa) {
+bool option_isa_environment(const char *name) {
     enum { COUNT = CW_ISA_COUNT - CW_ISA_SCALAR };
-    const char *names[COUNT];
+    const char *word = getenv("CELLWALK_ISA"), *names[COUNT];
     for (size_t k = 0; k < COUNT; k++) {
         names[k] = option_isa_names(k);
-        if (strcmp(word, names[k]) != 0) continue;
-        *isa = CW_ISA_SCALAR + (cw_isa)k;
-        return true;
+        if (word == NULL || strcmp(word, names[k]) == 0) return true;
     }
-    return words_unknown(name, what, word, names, COUNT);
-}
-
-bool option_isa_environment(const char *name) {
-    const char *word = getenv("CELLWALK_ISA");
-    cw_isa isa;
-    return word == NULL || option_isa_find(name, "CELLWALK_ISA", word, &isa);
+    return words_unknown(name, "CELLWALK_ISA", word, names, COUNT);
 }
 
 bool option_isa_limit(const char *name, cw_isa isa) {
     cw_isa_limit(isa);
-    if (cw_isa_best() == isa) return true;
-    command_fail(name, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s", cw_isa_name(isa),
-                 cw_isa_name(cw_isa_best()));
-    return false;
+    return cw_isa_best() == isa ||
+           command_refuse(name, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s", cw_isa_name(isa),
+                          cw_isa_name(cw_isa_best()));
 }
 
 /* ---- help ---- */
@@ -135,13 +125,15 @@ static bool set_name(const options_usage *usage, const option_spec *o, const cha
     return words_unknown(usage->name, what, value, names, count);
 }
 
-/* A range of numbers is one to both ends, or from one on. */
+/* A range of numbers is one to both ends, from one on, or told by takes. */
 static bool set_number(const options_usage *usage, const option_spec *o, const char *value) {
     const bool whole = o->kind == OPTION_COUNT, ranged = o->kind != OPTION_NUMBER;
     char *end = NULL, range[80] = "";
     const double number = number_read(value, &end);
     const bool digits = !whole || strspn(value, "0123456789") == strlen(value);
     if (end != value && *end == '\0' && digits && (ranged ? number >= o->low && number <= o->high : isfinite(number))) {
+        if (o->takes && !(number >= o->low && number <= o->high))
+            return command_refuse(usage->name, "--%s takes %s, not %g", o->name, o->takes, number);
         if (whole)
             *(unsigned *)o->to = (unsigned)number;
         else
@@ -154,8 +146,8 @@ static bool set_number(const options_usage *usage, const option_spec *o, const c
         snprintf(range, sizeof range, " from %g to %g", o->low, o->high);
     else if (ranged)
         snprintf(range, sizeof range, " from %g on", o->low);
-    command_fail(usage->name, "--%s takes a %snumber%s, not '%s'", o->name, whole ? "whole " : "", range, value);
-    return false;
+    return command_refuse(usage->name, "--%s takes a %snumber%s, not '%s'", o->name, whole ? "whole " : "", range,
+                          value);
 }
 
 static bool set_value(const options_usage *usage, const option_spec *o, char *value) {
@@ -167,11 +159,9 @@ static bool set_value(const options_usage *usage, const option_spec *o, char *va
         if (!set_name(usage, o, value, &number)) return false;
         *(int *)o->to = (int)number;
     } else if (value[0] == '\0') {
-        command_fail(usage->name, "--%s needs a value that is not empty", o->name);
-        return false;
+        return command_refuse(usage->name, "--%s needs a value that is not empty", o->name);
     } else if (o->kind == OPTION_AGAIN && all->count == OPTION_AGAIN_MAX) {
-        command_fail(usage->name, "--%s may be given %d times at most", o->name, OPTION_AGAIN_MAX);
-        return false;
+        return command_refuse(usage->name, "--%s may be given %d times at most", o->name, OPTION_AGAIN_MAX);
     } else if (o->kind == OPTION_AGAIN) {
         all->values[all->count++] = value;
     } else {

@@ -7,6 +7,7 @@
 
 #include "cellwalk_expert.h"
 
+#include <float.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -16,7 +17,7 @@ typedef enum option_kind {
     OPTION_COUNT,  /* to: unsigned *; a whole number in [low, high] */
     OPTION_REAL,   /* to: double *; a number in [low, high] */
     OPTION_NAME,   /* to: int *; the number of the name given */
-    OPTION_NUMBER, /* to: double *; any number that is finite */
+    OPTION_NUMBER, /* to: double *; any number that is finite, or if takes is set one in [low, high] */
     OPTION_AGAIN   /* to: option_again *; may be given several times */
 } option_kind;
 
@@ -37,7 +38,8 @@ typedef struct option_spec {
     option_kind kind;
     void *to; /* untouched while the option is not given */
     double low, high;
-    option_names *names; /* that the value may have; NULL for any. Of a text: examples */
+    const char *takes;   /* a number: "metres above 0" */
+    option_names *names; /* that the value may have; NULL for any */
     char letter;         /* a one-letter form, or 0 */
 } option_spec;
 
@@ -54,6 +56,21 @@ static inline option_spec option_output(const char *value, const char **to, cons
 static inline option_spec option_number(const char *name, const char *value, double *to, const char *help) {
     return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_NUMBER, .to = to};
 }
+static inline option_spec option_range(const char *name, const char *value, double *to, double low, double high,
+                                       const char *takes, const char *help) {
+    return (option_spec){.name = name,
+                         .value = value,
+                         .help = help,
+                         .kind = OPTION_NUMBER,
+                         .to = to,
+                         .low = low,
+                         .high = high,
+                         .takes = takes};
+}
+/* 0: not given. */
+static inline option_spec option_metres(const char *name, double *to, const char *help) {
+    return option_range(name, "D", to, DBL_MIN, DBL_MAX, "metres above 0", help);
+}
 static inline option_spec option_several(const char *name, const char *value, option_again *to, const char *help) {
     return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_AGAIN, .to = to};
 }
@@ -62,14 +79,10 @@ static inline option_spec option_count(const char *name, const char *value, unsi
     return (option_spec){
         .name = name, .value = value, .help = help, .kind = OPTION_COUNT, .to = to, .low = low, .high = high};
 }
-/* Of names: the number of the one given, or with option_word the text. */
+/* Of names: the number of the one given. */
 static inline option_spec option_choice(const char *name, const char *value, int *to, option_names *names,
                                         const char *help) {
     return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_NAME, .to = to, .names = names};
-}
-static inline option_spec option_word(const char *name, const char *value, const char **to, option_names *names,
-                                      const char *help) {
-    return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_TEXT, .to = to, .names = names};
 }
 
 typedef struct options_usage {
@@ -102,11 +115,9 @@ const char *option_isa_names(size_t number);
 const char *option_leaf_names(size_t number);
 
 /* Instruction sets that a user names. Each function returns false after a message, which begins with the subcommand's name.
- *  - The word, given by what: "--isa".
  *  - CELLWALK_ISA: an upper bound, which may lie above the machine's; a misspelt one is an error, since the library would ignore it.
  *  - The library is limited to isa. It is an error if CPU or CELLWALK_ISA rule that out, or else a measurement would carry the
  *    wrong label. */
-bool option_isa_find(const char *name, const char *what, const char *word, cw_isa *isa);
 bool option_isa_environment(const char *name);
 bool option_isa_limit(const char *name, cw_isa isa);
 

@@ -47,11 +47,8 @@ bool words_unknown(const char *name, const char *what, const char *word, const c
     for (size_t k = 0; k < count && used < sizeof list; k++)
         used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", k ? ", " : "", words[k]);
     const char *meant = words_closest(word, words, count);
-    if (meant)
-        command_fail(name, "%s '%s' is unknown; did you mean %s? There are %s", what, word, meant, list);
-    else
-        command_fail(name, "%s '%s' is unknown; there are %s", what, word, list);
-    return false;
+    return meant ? command_refuse(name, "%s '%s' is unknown; did you mean %s? There are %s", what, word, meant, list)
+                 : command_refuse(name, "%s '%s' is unknown; there are %s", what, word, list);
 }
 
 /* Columns of a terminal that so many bytes of UTF-8 take. */

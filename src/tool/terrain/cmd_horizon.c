@@ -235,37 +235,28 @@ static bool check(void *context, size_t *bands) {
     for (size_t k = 0; k < c->at.count; k++)
         if (!product_parse_place(name, c->at.values[k], 0, &c->places[k])) return false;
     if (c->sky + c->tilted + c->open + c->below > 1)
-        command_fail(name, "of --svf, --svf-tilted, --openness and --openness-negative one can be written");
-    else if (c->below && c->desc.curvature != 0)
-        command_fail(name, "--openness-negative is that of a flat earth, and goes without --curvature");
-    else if (c->distance && (c->sum || at))
-        command_fail(name, "--distance goes with none of --svf, --openness, --at and --places");
-    else if (c->type == INT16 && (c->distance || open || !tif))
-        command_fail(name, c->distance || open ? "--type int16 is for angles and sky-view factors"
-                                               : "--type int16 goes with -o FILE.tif");
-    else if (c->at.count > 0 && c->file)
-        command_fail(name, "--at and --places do not go together");
-    else if (at && (c->sum || c->product.window))
-        command_fail(name,
-                     "--at and --places print horizons of places, and go with none of --svf, --openness and --window");
-    else if (c->json && !at)
-        command_fail(name, "--json goes with --at or --places");
-    else if (c->desc.max_distance <= 0)
-        command_fail(name, "--max-distance takes metres above 0, not %g", c->desc.max_distance);
-    else {
-        if (isnan(c->desc.max_distance)) c->desc.max_distance = 0; /* no limit */
-        c->desc.count = c->directions;
-        *bands = at ? 0 : c->sum ? 1 : c->directions;
-        return product_check_curvature(name, c->desc.curvature);
-    }
-    return false;
+        return command_refuse(name, "of --svf, --svf-tilted, --openness and --openness-negative one can be written");
+    if (c->below && c->desc.curvature != 0)
+        return command_refuse(name, "--openness-negative is that of a flat earth, and goes without --curvature");
+    if (c->distance && (c->sum || at))
+        return command_refuse(name, "--distance goes with none of --svf, --openness, --at and --places");
+    if (c->type == INT16 && (c->distance || open || !tif))
+        return command_refuse(name, c->distance || open ? "--type int16 is for angles and sky-view factors"
+                                                        : "--type int16 goes with -o FILE.tif");
+    if (c->at.count > 0 && c->file) return command_refuse(name, "--at and --places do not go together");
+    if (at && (c->sum || c->product.window))
+        return command_refuse(
+            name, "--at and --places print horizons of places, and go with none of --svf, --openness and --window");
+    if (c->json && !at) return command_refuse(name, "--json goes with --at or --places");
+    c->desc.count = c->directions;
+    *bands = at ? 0 : c->sum ? 1 : c->directions;
+    return true;
 }
 
 static int run(int argc, char **argv) {
     static horizon_command c; /* large */
     c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill, .end = end};
     c.directions = 32;
-    c.desc.max_distance = NAN;
     const option_spec options[] = {
         option_count("directions", "N", &c.directions, 1, 3600, "number of directions, evenly spaced (default: 32)"),
         option_number("start", "AZ", &c.desc.start,
@@ -294,7 +285,7 @@ static int run(int argc, char **argv) {
             "the same for the places of a table (.csv) with the columns x, y and, if there, height and name, or "
             "of points in any file that GDAL reads; -o names the table to write"),
         option_flag("json", &c.json, "with --at or --places: print one JSON object"),
-        option_number("max-distance", "D", &c.desc.max_distance,
+        option_metres("max-distance", &c.desc.max_distance,
                       "terrain farther away than D metres does not count (default: no limit)"),
         product_flat_earth_row(&c.desc.curvature),
     };

@@ -19,7 +19,7 @@ static const char name[] = "los";
 
 typedef struct los_command {
     product product;
-    double curvature, megahertz;
+    double curvature, megahertz; /* 0: no radio link */
     bool json;
     const char *pairs, *output, *profile;
     ground_place places[2];
@@ -209,24 +209,17 @@ static bool answer(los_command *c, io_error *error) {
     return good;
 }
 
-static bool wrong(los_command *c, const char *const given[3]) {
+static bool check(los_command *c, const char *const given[3]) {
     const bool places = given[1] != NULL;
-    if (c->pairs && places)
-        command_fail(name, "--pairs FILE and places do not go together");
-    else if (!c->pairs && given[2] == NULL)
-        command_fail(name, "%s is missing, or --pairs FILE", places ? "TO" : "FROM");
-    else if (c->output && !c->pairs)
-        command_fail(name, "-o goes with --pairs FILE");
-    else if (c->json && c->pairs)
-        command_fail(name, "--json goes with two places; the answers of --pairs are CSV");
-    else if (c->profile && strcmp(c->profile, c->output ? c->output : "-") == 0)
-        command_fail(name, "--profile needs a file that nothing else is written to");
-    else if (c->megahertz < 0.1 || c->megahertz > 1e6)
-        command_fail(name, "--frequency takes megahertz from 0.1 to 1000000, not %g", c->megahertz);
-    else if (product_check_curvature(name, c->curvature))
-        return places && (!product_parse_place(name, given[1], 0, &c->places[0]) ||
-                          !product_parse_place(name, given[2], 0, &c->places[1]));
-    return true;
+    if (c->pairs && places) return command_refuse(name, "--pairs FILE and places do not go together");
+    if (!c->pairs && given[2] == NULL)
+        return command_refuse(name, "%s is missing, or --pairs FILE", places ? "TO" : "FROM");
+    if (c->output && !c->pairs) return command_refuse(name, "-o goes with --pairs FILE");
+    if (c->json && c->pairs) return command_refuse(name, "--json goes with two places; the answers of --pairs are CSV");
+    if (c->profile && strcmp(c->profile, c->output ? c->output : "-") == 0)
+        return command_refuse(name, "--profile needs a file that nothing else is written to");
+    return !places || (product_parse_place(name, given[1], 0, &c->places[0]) &&
+                       product_parse_place(name, given[2], 0, &c->places[1]));
 }
 
 static int run(int argc, char **argv) {
@@ -241,15 +234,14 @@ static int run(int argc, char **argv) {
                     "write the terrain along each line as a table: distance, heights of ground and line, and whether "
                     "the ground is seen from the first place, wherever the line crosses an edge of a triangle"),
         product_round_earth_row(&c.curvature),
-        option_number(
-            "frequency", "MHZ", &c.megahertz,
+        option_range(
+            "frequency", "MHZ", &c.megahertz, 0.1, 1e6, "megahertz from 0.1 to 1000000",
             "of a radio link: also print the least clearance of the line over the ground, as a share of the first "
             "Fresnel zone's radius there; 60 % is the usual demand, and --curvature 0.75 the 4/3 earth of radio"),
         option_flag("json", &c.json, "print one JSON object"),
         option_flag("quiet", &c.product.quiet, "leave out the lines at the end of --pairs and --profile"),
     };
     c.product.name = name;
-    c.megahertz = NAN; /* not given */
     raster_options_rows(&c.product.raster_options, options + OWN);
     static const char *const operands[] = {"DEM", "FROM", "TO"};
     const options_usage usage = {
@@ -274,8 +266,8 @@ static int run(int argc, char **argv) {
     const char *given[3];
     const int status = options_parse(&usage, argc, argv, given);
     if (status != OPTIONS_GO) return status;
-    if (wrong(&c, given)) return EXIT_USAGE;
-    c.product.query_options.threads = 1;
+    if (!check(&c, given)) return EXIT_USAGE;
+    c.product.query_options = (query_options){-1, -1, -1, 1};
     io_error error = {""};
     const int opened = product_open(&c.product, given[0], 0);
     return opened == EXIT_SUCCESS ? product_close(&c.product, answer(&c, &error), &error) : opened;

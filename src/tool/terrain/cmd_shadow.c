@@ -15,7 +15,7 @@ typedef struct shadow_command {
     product product;
     const char *sun, *time; /* one of them is NULL */
     double seconds;         /* of time, as cw_sun_at takes it */
-    double disc;            /* NaN: the sun is a point */
+    double disc;            /* 0: the sun is a point */
     bool usual_disc, hillshade;
     cw_light light;
     bool share; /* floats */
@@ -54,7 +54,7 @@ static bool begin(product *p, io_error *error) {
     sun->hillshade = c->hillshade;
     sun->radius = c->usual_disc ? SUN_RADIUS : 0;
     if (!find_sun(c, error)) return false;
-    if (!isnan(c->disc)) sun->radius = c->disc;
+    if (c->disc > 0) sun->radius = c->disc;
     if (sun->altitude <= 0) command_warn(name, "the sun is at %.3f degrees, below the horizon", sun->altitude);
     c->share = sun->radius > 0 || sun->hillshade;
     product_describe(p, c->share ? IO_CELL_FLOAT32 : IO_CELL_UINT8, 1,
@@ -83,18 +83,15 @@ static bool check(void *context, size_t *bands) {
     c->light.azimuth = sun[0];
     c->light.altitude = sun[1];
     if ((c->sun == NULL) == (c->time == NULL))
-        command_fail(name, "give the sun's place by either --sun or --time");
-    else if (c->time && !cw_sun_parse_time(c->time, &c->seconds))
-        command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", c->time);
-    else if (!isnan(c->disc) && !(c->disc > 0 && c->disc <= 10))
-        command_fail(name, "--disc takes degrees above 0, up to 10, not %g", c->disc);
-    else
-        return product_check_curvature(name, c->light.curvature);
-    return false;
+        return command_refuse(name, "give the sun's place by either --sun or --time");
+    if (c->time && !cw_sun_parse_time(c->time, &c->seconds))
+        return command_refuse(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'",
+                              c->time);
+    return true;
 }
 
 static int run(int argc, char **argv) {
-    static shadow_command c = {.disc = NAN}; /* large */
+    static shadow_command c; /* large */
     c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill};
     const option_spec options[] = {
         option_text("sun", "AZ,ALT", &c.sun, "azimuth from the map's north over east, and altitude, in degrees"),
@@ -106,7 +103,8 @@ static int run(int argc, char **argv) {
             "light on the ground: the cosine of the angle between the sun and the ground's normal, 0 in shadow"),
         option_flag("sun-disc", &c.usual_disc,
                     "write the share of the sun's disc that is seen, so that shadows have soft edges"),
-        option_number("disc", "R", &c.disc, "the same for a disc of radius R, in degrees"),
+        option_range("disc", "R", &c.disc, DBL_MIN, 10, "degrees above 0, up to 10",
+                     "the same for a disc of radius R, in degrees"),
         product_flat_earth_row(&c.light.curvature),
     };
     const options_usage usage = {

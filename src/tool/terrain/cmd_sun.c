@@ -210,57 +210,47 @@ static bool read_step(const char *text, double *seconds) {
 static bool check(void *context, size_t *bands) {
     sun_command *c = context;
     double unused;
-    const bool energy_only = !isnan(c->linke) || c->sky > 0, dated = c->date || c->to || c->step || c->place;
+    const bool energy_only = c->linke > 0 || c->sky > 0, dated = c->date || c->to || c->step || c->place;
     if (c->step == NULL) c->step = c->at.at ? "1min" : "15min";
     if (c->suns_file && (dated || energy_only))
-        command_fail(name, "--suns goes with none of --date, --to, --step, --lon-lat, --linke and --sky");
-    else if (!c->suns_file && c->date == NULL)
-        command_fail(name, "--date is missing, or --suns FILE.csv");
-    else if (c->date && !read_days(c->date, &c->first, &c->last))
-        command_fail(name, "--date takes a day, as 2024-06-21, a month or a year, not '%s'", c->date);
-    else if (c->to && !read_days(c->to, &unused, &c->last))
-        command_fail(name, "--to takes a day, as 2024-06-21, a month or a year, not '%s'", c->to);
-    else if (c->to && c->last < c->first)
-        command_fail(name, "--to %s is before --date %s", c->to, c->date);
-    else if (!read_step(c->step, &c->seconds))
-        command_fail(name, "--step takes a time that divides a day, as 15min, 1h or 30s, not '%s'", c->step);
-    else if ((c->last + day - c->first) / c->seconds > SUNS_MOST)
-        command_fail(name, "there are more than %d steps from %s to %s; give a longer --step", SUNS_MOST, c->date,
-                     c->to ? c->to : c->date);
-    else if (c->place && (ground_numbers(c->place, c->lon_lat, 2, 2) == 0 || fabs(c->lon_lat[1]) > 90))
-        command_fail(name, "--lon-lat takes longitude and latitude in degrees, as 6.1,49.8, not '%s'", c->place);
-    else if (!isnan(c->at.desc.max_distance) && !c->at.at)
-        command_fail(name, "--max-distance goes with --at");
-    else if (c->at.at && (c->irradiance || c->directions > 0 || c->product.window))
-        command_fail(name,
-                     "--at prints hours and energy, and goes with none of --irradiance, --directions and --window");
-    else if (c->at.desc.max_distance <= 0)
-        command_fail(name, "--max-distance takes metres above 0, not %g", c->at.desc.max_distance);
-    else if (energy_only && !c->irradiance && !c->at.at)
-        command_fail(name, "--linke and --sky go with --irradiance");
-    else if (!isnan(c->linke) && !(c->linke >= 1 && c->linke <= 10))
-        command_fail(name, "--linke takes a turbidity from 1 to 10, not %g", c->linke);
-    else {
-        if (isnan(c->linke)) c->linke = CLEAR_SKY_LINKE;
-        if (c->sky == 0) c->sky = 32;
-        if (isnan(c->at.desc.max_distance)) c->at.desc.max_distance = 0; /* no limit */
-        *bands = c->bands = c->at.at ? 0 : c->irradiance && !c->suns_file ? BANDS : 1;
-        c->at.suns = c->suns_file;
-        c->at.curvature = c->curvature;
-        c->at.first = c->first;
-        c->at.days = (size_t)nearbyint((c->last - c->first) / day) + 1;
-        c->at.placed = c->place != NULL;
-        c->at.desc.place = (sun_place){c->lon_lat[0], c->lon_lat[1], 0};
-        c->at.desc.step = c->seconds;
-        c->at.desc.linke = c->linke;
-        c->at.desc.sky = c->sky;
-        return product_check_curvature(name, c->curvature) && sun_table_check(&c->at, name);
-    }
-    return false;
+        return command_refuse(name, "--suns goes with none of --date, --to, --step, --lon-lat, --linke and --sky");
+    if (!c->suns_file && c->date == NULL) return command_refuse(name, "--date is missing, or --suns FILE.csv");
+    if (c->date && !read_days(c->date, &c->first, &c->last))
+        return command_refuse(name, "--date takes a day, as 2024-06-21, a month or a year, not '%s'", c->date);
+    if (c->to && !read_days(c->to, &unused, &c->last))
+        return command_refuse(name, "--to takes a day, as 2024-06-21, a month or a year, not '%s'", c->to);
+    if (c->to && c->last < c->first) return command_refuse(name, "--to %s is before --date %s", c->to, c->date);
+    if (!read_step(c->step, &c->seconds))
+        return command_refuse(name, "--step takes a time that divides a day, as 15min, 1h or 30s, not '%s'", c->step);
+    if ((c->last + day - c->first) / c->seconds > SUNS_MOST)
+        return command_refuse(name, "there are more than %d steps from %s to %s; give a longer --step", SUNS_MOST,
+                              c->date, c->to ? c->to : c->date);
+    if (c->place && (ground_numbers(c->place, c->lon_lat, 2, 2) == 0 || fabs(c->lon_lat[1]) > 90))
+        return command_refuse(name, "--lon-lat takes longitude and latitude in degrees, as 6.1,49.8, not '%s'",
+                              c->place);
+    if (c->at.desc.max_distance > 0 && !c->at.at) return command_refuse(name, "--max-distance goes with --at");
+    if (c->at.at && (c->irradiance || c->directions > 0 || c->product.window))
+        return command_refuse(
+            name, "--at prints hours and energy, and goes with none of --irradiance, --directions and --window");
+    if (energy_only && !c->irradiance && !c->at.at)
+        return command_refuse(name, "--linke and --sky go with --irradiance");
+    if (c->linke == 0) c->linke = CLEAR_SKY_LINKE;
+    if (c->sky == 0) c->sky = 32;
+    *bands = c->bands = c->at.at ? 0 : c->irradiance && !c->suns_file ? BANDS : 1;
+    c->at.suns = c->suns_file;
+    c->at.curvature = c->curvature;
+    c->at.first = c->first;
+    c->at.days = (size_t)nearbyint((c->last - c->first) / day) + 1;
+    c->at.placed = c->place != NULL;
+    c->at.desc.place = (sun_place){c->lon_lat[0], c->lon_lat[1], 0};
+    c->at.desc.step = c->seconds;
+    c->at.desc.linke = c->linke;
+    c->at.desc.sky = c->sky;
+    return sun_table_check(&c->at, name);
 }
 
 static int run(int argc, char **argv) {
-    static sun_command c = {.linke = NAN, .at = {.facing = NAN, .desc = {.max_distance = NAN}}}; /* large */
+    static sun_command c = {.at = {.facing = NAN}}; /* large */
     c.product = (product){
         .context = &c, .check = check, .begin = begin, .enter = enter, .leave = leave, .fill = fill, .end = end};
     const option_spec options[] = {
@@ -280,8 +270,8 @@ static int run(int argc, char **argv) {
         option_flag("irradiance", &c.irradiance,
                     "energy instead of hours, in watt hours a square metre of the ground as it leans: one band of "
                     "direct light, one of diffuse light"),
-        option_number("linke", "TL", &c.linke,
-                      "with --irradiance: Linke's turbidity for an air mass of 2, from 1 to 10 (default: 3)"),
+        option_range("linke", "TL", &c.linke, 1, 10, "a turbidity from 1 to 10",
+                     "with --irradiance: Linke's turbidity for an air mass of 2, from 1 to 10 (default: 3)"),
         option_count("sky", "N", &c.sky, 1, 3600,
                      "with --irradiance: directions of the sky-view factor for diffuse light (default: 32)"),
         option_text("lon-lat", "LON,LAT", &c.place,
@@ -299,8 +289,8 @@ static int run(int argc, char **argv) {
             "ground leans there (default: 0, level)"),
         option_number("facing", "AZ", &c.at.facing,
                       "with --tilt: where the surface looks to, in degrees from the map's north (default: 180)"),
-        option_number(
-            "max-distance", "D", &c.at.desc.max_distance,
+        option_metres(
+            "max-distance", &c.at.desc.max_distance,
             "with --at: terrain farther away than D metres does not count and is not read (default: no limit)"),
         product_flat_earth_row(&c.curvature),
     };

@@ -21,24 +21,17 @@ static bool check_observers(viewshed_command *c) {
     observers_from *o = &c->from;
     const size_t count = o->place_count = c->from_texts.count;
     if ((count > 0) == (o->file != NULL))
-        command_fail(name, count > 0 ? "--from and --observers do not go together"
-                                     : "--from X,Y is missing, or --observers FILE: the place of an observer");
-    else if (o->layer && !o->file)
-        command_fail(name, "--layer goes with --observers");
-    else if (o->every <= 0)
-        command_fail(name, "--every takes metres above 0, not %g", o->every);
-    else if (o->every > 0 && count == 1)
-        command_fail(name, "--every D takes two places or more: the corners of a line");
-    else {
-        if (isnan(o->every)) o->every = 0; /* not given */
-        o->places = c->places;
-        o->height = eye_height;
-        o->lines = true;
-        for (size_t k = 0; k < count; k++)
-            if (!product_parse_place(name, c->from_texts.values[k], eye_height, &c->places[k])) return false;
-        return true;
-    }
-    return false;
+        return command_refuse(name, count > 0 ? "--from and --observers do not go together"
+                                              : "--from X,Y is missing, or --observers FILE: the place of an observer");
+    if (o->layer && !o->file) return command_refuse(name, "--layer goes with --observers");
+    if (o->every > 0 && count == 1)
+        return command_refuse(name, "--every D takes two places or more: the corners of a line");
+    o->places = c->places;
+    o->height = eye_height;
+    o->lines = true;
+    for (size_t k = 0; k < count; k++)
+        if (!product_parse_place(name, c->from_texts.values[k], eye_height, &c->places[k])) return false;
+    return true;
 }
 
 /* At which targets. */
@@ -46,22 +39,15 @@ static bool check_limits(viewshed_command *c) {
     cw_observer *l = &c->look;
     double *a = l->azimuths, *v = l->verticals;
     l->limits = (c->azimuth ? 1u * CW_OBSERVER_AZIMUTHS : 0) + (c->vertical ? 1u * CW_OBSERVER_VERTICALS : 0);
-    if (l->farthest <= 0)
-        command_fail(name, "--max-distance takes metres above 0, not %g", l->farthest);
-    else if (l->nearest < 0)
-        command_fail(name, "--min-distance takes metres, not %g", l->nearest);
-    else if (l->farthest > 0 && l->nearest > l->farthest)
-        command_fail(name, "--min-distance %g is more than --max-distance %g", l->nearest, l->farthest);
-    else if (c->azimuth && !(ground_numbers(c->azimuth, a, 2, 2) > 0 && fabs(a[0]) <= 360 && fabs(a[1]) <= 360))
-        command_fail(name, "--azimuth takes two angles from -360 to 360 degrees, as 350,10, not '%s'", c->azimuth);
-    else if (c->vertical && !(ground_numbers(c->vertical, v, 2, 2) > 0 && v[0] >= -90 && v[0] <= v[1] && v[1] <= 90))
-        command_fail(name, "--vertical takes two angles from -90 to 90 degrees, the lower one first, not '%s'",
-                     c->vertical);
-    else {
-        if (isnan(l->farthest)) l->farthest = 0; /* no limit */
-        return true;
-    }
-    return false;
+    if (l->farthest > 0 && l->nearest > l->farthest)
+        return command_refuse(name, "--min-distance %g is more than --max-distance %g", l->nearest, l->farthest);
+    if (c->azimuth && !(ground_numbers(c->azimuth, a, 2, 2) > 0 && fabs(a[0]) <= 360 && fabs(a[1]) <= 360))
+        return command_refuse(name, "--azimuth takes two angles from -360 to 360 degrees, as 350,10, not '%s'",
+                              c->azimuth);
+    if (c->vertical && !(ground_numbers(c->vertical, v, 2, 2) > 0 && v[0] >= -90 && v[0] <= v[1] && v[1] <= 90))
+        return command_refuse(name, "--vertical takes two angles from -90 to 90 degrees, the lower one first, not '%s'",
+                              c->vertical);
+    return true;
 }
 
 static bool check(void *context, size_t *bands) {
@@ -71,24 +57,22 @@ static bool check(void *context, size_t *bands) {
     if (!check_observers(c) || !check_limits(c)) return false;
     c->kind = needed ? VIEW_NEEDED : c->angle ? VIEW_ANGLE : c->weights ? VIEW_WEIGHT : VIEW_SEEN;
     if (needed + c->angle + c->weights > 1)
-        command_fail(name, "of --weights, --angle and --needed one can be written");
-    else if (c->weights && !c->from.file)
-        command_fail(name, "--weights goes with --observers FILE, whose weights it adds up");
-    else if (c->weights && c->bands)
-        command_fail(name, "--weights adds up observers, and --bands keeps them apart");
-    else if (needed && c->vertical)
-        command_fail(name, "--vertical is about targets of a given height, and --needed looks for that height");
-    else if (c->from.place_count > 1 && c->from.every == 0 && !c->bands && (needed || c->angle))
-        command_fail(name, "%s is that of one observer, not of %zu; --bands writes a band for each",
-                     needed ? "the height that is needed to be seen" : "the angle", c->from.place_count);
-    else if (c->table && (c->kind != VIEW_SEEN || c->bands))
-        command_fail(name,
-                     "--table is about what is seen, and goes with none of --angle, --bands, --needed and --weights");
-    else if (c->within && !c->table)
-        command_fail(name, "--within goes with --table");
-    else
-        return product_check_curvature(name, c->look.curvature);
-    return false;
+        return command_refuse(name, "of --weights, --angle and --needed one can be written");
+    if (c->weights && !c->from.file)
+        return command_refuse(name, "--weights goes with --observers FILE, whose weights it adds up");
+    if (c->weights && c->bands)
+        return command_refuse(name, "--weights adds up observers, and --bands keeps them apart");
+    if (needed && c->vertical)
+        return command_refuse(name,
+                              "--vertical is about targets of a given height, and --needed looks for that height");
+    if (c->from.place_count > 1 && c->from.every == 0 && !c->bands && (needed || c->angle))
+        return command_refuse(name, "%s is that of one observer, not of %zu; --bands writes a band for each",
+                              needed ? "the height that is needed to be seen" : "the angle", c->from.place_count);
+    if (c->table && (c->kind != VIEW_SEEN || c->bands))
+        return command_refuse(
+            name, "--table is about what is seen, and goes with none of --angle, --bands, --needed and --weights");
+    if (c->within && !c->table) return command_refuse(name, "--within goes with --table");
+    return true;
 }
 
 static int run(int argc, char **argv) {
@@ -99,7 +83,6 @@ static int run(int argc, char **argv) {
                           .fill = viewshed_fill,
                           .finish = viewshed_finish,
                           .end = viewshed_end};
-    c.look.farthest = c.from.every = NAN;
     const option_spec options[] = {
         option_several("from", "X,Y[,H]", &c.from_texts,
                        "the observer's place on the map, with the eye H metres above ground (default: 2), or X,Y,=Z; "
@@ -109,15 +92,15 @@ static int run(int argc, char **argv) {
             "any number of observers: a table (.csv) whose first line names the columns x, y and, if there, height and "
             "weight; or points of any file that GDAL reads, with such attributes, brought to the terrain's map"),
         option_text("layer", "NAME", &c.from.layer, "the layer of --observers, for files with several"),
-        option_number("every", "D", &c.from.every,
+        option_metres("every", &c.from.every,
                       "the places are the corners of a line, and so are those of each line in a file: an observer "
                       "stands at its beginning and every D metres; heights and weights change evenly between corners"),
         option_number("target-height", "T", &c.look.target,
                       "height of the target above ground, in metres (default: 0, the ground)"),
-        option_number("max-distance", "D", &c.look.farthest,
+        option_metres("max-distance", &c.look.farthest,
                       "samples farther away than D metres are not seen, nor read and written (default: no limit)"),
-        option_number("min-distance", "D", &c.look.nearest,
-                      "samples nearer than D metres are not seen, but block the view (default: 0)"),
+        option_range("min-distance", "D", &c.look.nearest, 0, DBL_MAX, "metres",
+                     "samples nearer than D metres are not seen, but block the view (default: 0)"),
         option_text("azimuth", "A,B", &c.azimuth,
                     "only samples in directions from azimuth A clockwise to B, in degrees from the map's north: 350,10 "
                     "are 20 degrees"),

@@ -86,7 +86,6 @@ static bool begin(product *p, io_error *error) {
     static const char *const names[] = {"metres to the farthest ground in sight",
                                         "azimuth of that place from the map's north"};
     (void)error;
-    if (isnan(d->max_distance)) d->max_distance = 0; /* no limit */
     d->directions = c->directions;
     d->every = c->every;
     d->curvature = ground_curvature(g, d->curvature);
@@ -121,24 +120,12 @@ static void end(void *context) {
 
 static bool check(void *context, size_t *bands) {
     visibility_command *c = context;
-    const cw_visibility_desc *d = &c->desc;
     *bands = c->longest ? 2 : 1;
-    if (c->longest && c->share)
-        command_fail(name, "of --longest and --share one can be written");
-    else if (!(d->height >= 0))
-        command_fail(name, "--observer-height takes metres from 0 on, not %g", d->height);
-    else if (!(d->target >= 0))
-        command_fail(name, "--target-height takes metres from 0 on, not %g", d->target);
-    else if (d->max_distance <= 0)
-        command_fail(name, "--max-distance takes metres above 0, not %g", d->max_distance);
-    else
-        return product_check_curvature(name, d->curvature);
-    return false;
+    return !(c->longest && c->share) || command_refuse(name, "of --longest and --share one can be written");
 }
 
 static int run(int argc, char **argv) {
-    static visibility_command c = {
-        .desc = {.height = 2, .max_distance = NAN}, .directions = 128, .every = 1}; /* large */
+    static visibility_command c = {.desc = {.height = 2}, .directions = 128, .every = 1}; /* large */
     c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill, .enter = enter, .end = end};
     const option_spec options[] = {
         option_flag("longest", &c.longest,
@@ -150,11 +137,11 @@ static int run(int argc, char **argv) {
             "write a share instead, 0 to 1: of all ground within --max-distance and the raster, what is in sight"),
         option_count("directions", "N", &c.directions, 1, 3600,
                      "number of directions, evenly spaced from the map's north on (default: 128)"),
-        option_number("observer-height", "H", &c.desc.height,
-                      "height of the eyes above the ground in metres (default: 2)"),
-        option_number("target-height", "T", &c.desc.target,
-                      "what must be seen is T metres above the ground (default: 0, the ground itself)"),
-        option_number("max-distance", "D", &c.desc.max_distance,
+        option_range("observer-height", "H", &c.desc.height, 0, DBL_MAX, "metres from 0 on",
+                     "height of the eyes above the ground in metres (default: 2)"),
+        option_range("target-height", "T", &c.desc.target, 0, DBL_MAX, "metres from 0 on",
+                     "what must be seen is T metres above the ground (default: 0, the ground itself)"),
+        option_metres("max-distance", &c.desc.max_distance,
                       "what is farther away than D metres does not count (default: no limit)"),
         product_round_earth_row(&c.desc.curvature),
         option_count("every", "K", &c.every, 1, 1 << 20,

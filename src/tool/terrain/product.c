@@ -54,40 +54,35 @@ static void shared_rows(product *p, option_spec *rows) {
     rows[RASTER_OPTION_COUNT + 1] = query[QUERY_THREADS];
 }
 
+static option_spec curvature_row(double *curvature, const char *help) {
+    return option_range("curvature", "K", curvature, 0, DBL_MAX, "a number from 0 on", help);
+}
+
 option_spec product_flat_earth_row(double *curvature) {
-    return option_number("curvature", "K", curvature,
-                         "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 with "
-                         "usual refraction");
+    return curvature_row(curvature,
+                         "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 "
+                         "with usual refraction");
 }
 
 option_spec product_round_earth_row(double *curvature) {
     *curvature = NAN;
-    return option_number("curvature", "K", curvature,
-                         "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 with usual "
-                         "refraction (default: 6/7, or 0 for a file without map and --cellsize)");
-}
-
-bool product_check_curvature(const char *name, double curvature) {
-    if (curvature < 0) command_fail(name, "--curvature takes a number from 0 on, not %g", curvature);
-    return !(curvature < 0);
+    return curvature_row(curvature,
+                         "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 with "
+                         "usual refraction (default: 6/7, or 0 for a file without map and --cellsize)");
 }
 
 bool product_parse_sun(const char *name, const char *text, double sun[2]) {
     if (ground_numbers(text, sun, 2, 2) == 0)
-        command_fail(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", text);
-    else if (fabs(sun[1]) > 90)
-        command_fail(name, "--sun %s: the second number is the altitude, and %g degrees is none; the azimuth is first",
-                     text, sun[1]);
-    else
-        return true;
-    return false;
+        return command_refuse(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", text);
+    return fabs(sun[1]) <= 90 ||
+           command_refuse(name,
+                          "--sun %s: the second number is the altitude, and %g degrees is none; the azimuth is first",
+                          text, sun[1]);
 }
 
 bool product_parse_place(const char *name, const char *text, double height, ground_place *p) {
     io_error error;
-    if (ground_parse_place(text, height, p, &error)) return true;
-    command_fail(name, "%s", error.text);
-    return false;
+    return ground_parse_place(text, height, p, &error) || command_refuse(name, "%s", error.text);
 }
 
 static double size_of_text(const char *text) {
@@ -107,19 +102,17 @@ static bool resolve(product *p, size_t bands) {
     p->ground.bytes = pages > 0 && page > 0 ? 0.75 * (double)pages * (double)page : 4e9;
     if (p->memory) p->ground.bytes = size_of_text(p->memory);
     if (p->window && ground_numbers(p->window, p->extent, 4, 4) == 0)
-        command_fail(p->name, "--window takes XMIN,YMIN,XMAX,YMAX, coordinates of the map, not '%s'", p->window);
-    else if (!(p->ground.bytes > 0 && isfinite(p->ground.bytes)))
-        command_fail(p->name, "--memory takes a number of bytes, as 2G or 500M, not '%s'", p->memory);
-    else if (bands > 0 && p->output == NULL)
-        command_fail(p->name, "nothing to do: give -o FILE for the result");
-    else if (of_tif != NULL && !(bands > 0 && io_raster_is_tif(p->output)))
-        command_fail(p->name, "--%s goes with -o FILE.tif", of_tif);
-    else if (p->plain && !(bands > 0 && io_raster_is_png(p->output)))
-        command_fail(p->name, "--plain goes with -o FILE.png");
-    else
-        return query_options_resolve(&p->query_options, p->name, &p->ground.query) &&
-               raster_options_resolve(&p->raster_options, p->name, &p->ground.reading);
-    return false;
+        return command_refuse(p->name, "--window takes XMIN,YMIN,XMAX,YMAX, coordinates of the map, not '%s'",
+                              p->window);
+    if (!(p->ground.bytes > 0 && isfinite(p->ground.bytes)))
+        return command_refuse(p->name, "--memory takes a number of bytes, as 2G or 500M, not '%s'", p->memory);
+    if (bands > 0 && p->output == NULL) return command_refuse(p->name, "nothing to do: give -o FILE for the result");
+    if (of_tif != NULL && !(bands > 0 && io_raster_is_tif(p->output)))
+        return command_refuse(p->name, "--%s goes with -o FILE.tif", of_tif);
+    if (p->plain && !(bands > 0 && io_raster_is_png(p->output)))
+        return command_refuse(p->name, "--plain goes with -o FILE.png");
+    return query_options_resolve(&p->query_options, p->name, &p->ground.query) &&
+           raster_options_resolve(&p->raster_options, p->name, &p->ground.reading);
 }
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */

@@ -93,10 +93,9 @@ bool product_good(cw_status status, io_error *error);
 /* The query under the watch of the block that is being filled. */
 cw_run product_query(product *p);
 
-/* --curvature of products for which the earth is flat unless it is given, and of lines of sight. Checked: false after a message. */
+/* --curvature of products for which the earth is flat unless it is given, and of lines of sight: at first NaN. */
 option_spec product_flat_earth_row(double *curvature);
 option_spec product_round_earth_row(double *curvature);
-bool product_check_curvature(const char *name, double curvature);
 
 /* --sun AZ,ALT, or a place; false after a message. */
 bool product_parse_sun(const char *name, const char *text, double sun[2]);

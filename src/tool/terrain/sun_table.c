@@ -18,19 +18,15 @@ bool sun_table_check(sun_table *a, const char *name) {
     char *end;
     a->ground = a->tilt && strcmp(a->tilt, "ground") == 0;
     const double tilt = a->tilt && !a->ground ? number_read(a->tilt, &end) : 0;
-    if (a->at == NULL) {
-        if (a->tilt == NULL && isnan(a->facing)) return true;
-        command_fail(name, "--tilt and --facing go with --at");
-    } else if (a->tilt && !a->ground && (end == a->tilt || *end != '\0' || !(tilt >= 0 && tilt <= 180))) {
-        command_fail(name, "--tilt takes degrees from 0 to 180, or the word ground, not '%s'", a->tilt);
-    } else if (!isnan(a->facing) && (a->tilt == NULL || a->ground)) {
-        command_fail(name, "--facing goes with --tilt DEGREES");
-    } else {
-        a->desc.tilt = tilt;
-        a->desc.facing = isnan(a->facing) ? 180 : a->facing;
-        return product_parse_place(name, a->at, 0, &a->place);
-    }
-    return false;
+    if (a->at == NULL)
+        return (a->tilt == NULL && isnan(a->facing)) || command_refuse(name, "--tilt and --facing go with --at");
+    if (a->tilt && !a->ground && (end == a->tilt || *end != '\0' || !(tilt >= 0 && tilt <= 180)))
+        return command_refuse(name, "--tilt takes degrees from 0 to 180, or the word ground, not '%s'", a->tilt);
+    if (!isnan(a->facing) && (a->tilt == NULL || a->ground))
+        return command_refuse(name, "--facing goes with --tilt DEGREES");
+    a->desc.tilt = tilt;
+    a->desc.facing = isnan(a->facing) ? 180 : a->facing;
+    return product_parse_place(name, a->at, 0, &a->place);
 }
 
 /* Days that share a row. */

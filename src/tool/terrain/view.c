@@ -38,7 +38,7 @@ static option_spec curvature_around_eye_row(double *curvature) {
 }
 
 void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
-    *v = (view_options){.fov = NAN, .haze = NAN, .water = NAN, .curvature = NAN};
+    *v = (view_options){.water = NAN, .curvature = NAN};
     const option_spec own[] = {
         option_text("dem", "FILE", &v->dem, "the terrain, read as a raster for any ending of its name"),
         option_text("from", "X,Y[,H]", &v->from,
@@ -52,13 +52,14 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
         option_text("time", "TIME", &v->time,
                     "date and time with a zone (2024-06-21T12:00:00Z, or +02:00 for Z), at which the sun stands over "
                     "the terrain's middle; the file must name a coordinate system"),
-        option_number("fov", "DEGREES", &v->fov, "field of view over the shorter side, in degrees (default: 40)"),
+        option_range("fov", "DEGREES", &v->fov, DBL_MIN, 180 - 0x1p-45, "degrees above 0 and below 180",
+                     "field of view over the shorter side, in degrees (default: 40)"),
         option_flag(
             "sky", &v->sky,
             "a sky that is brighter toward sun and horizon, and a plain at the terrain's lowest height below it"),
-        option_number("haze", "V", &v->haze,
-                      "haze with a visibility of V metres: of contrast at a distance d the share 0.02^(d/V) is left "
-                      "(Koschmieder)"),
+        option_range("haze", "V", &v->haze, DBL_MIN, DBL_MAX, "a visibility in metres, above 0",
+                     "haze with a visibility of V metres: of contrast at a distance d the share 0.02^(d/V) is left "
+                     "(Koschmieder)"),
         option_number(
             "water", "Z", &v->water,
             "level water at height Z in metres covers all ground that is lower, and holes; it mirrors sky and land"),
@@ -74,15 +75,15 @@ const char *view_only(const view_options *v) {
            : v->sun                       ? "sun"
            : v->time                      ? "time"
            : v->sky                       ? "sky"
-           : !isnan(v->haze)              ? "haze"
+           : v->haze > 0                  ? "haze"
            : !isnan(v->water)             ? "water"
-           : !isnan(v->fov)               ? "fov"
+           : v->fov > 0                   ? "fov"
            : !isnan(v->curvature)         ? "curvature"
            : v->raster.band > 0           ? "band"
            : v->raster.coarser.factor > 0 ? "coarser"
            : v->raster.nodata.count > 0   ? "nodata"
-           : !isnan(v->raster.zscale)     ? "zscale"
-           : !isnan(v->raster.cellsize)   ? "cellsize"
+           : v->raster.zscale > 0         ? "zscale"
+           : v->raster.cellsize > 0       ? "cellsize"
                                           : NULL;
 }
 
@@ -95,25 +96,19 @@ typedef struct wish {
 } wish;
 
 static bool read_wish(const view_options *v, wish *w) {
-    *w = (wish){.sun = {usual_sun[0], usual_sun[1]}, .fov = isnan(v->fov) ? usual_fov : v->fov};
+    *w = (wish){.sun = {usual_sun[0], usual_sun[1]}, .fov = v->fov > 0 ? v->fov : usual_fov};
     if (v->from && !product_parse_place(name, v->from, usual_eye, &w->from)) return false;
     if (v->to && !product_parse_place(name, v->to, 0, &w->to)) return false;
     if (v->sun && !product_parse_sun(name, v->sun, w->sun)) return false;
-    if (v->sun && v->time)
-        command_fail(name, "give the sun's place by either --sun or --time");
-    else if (v->time && !cw_sun_parse_time(v->time, &w->seconds))
-        command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", v->time);
-    else if (v->haze <= 0)
-        command_fail(name, "--haze takes a visibility in metres, above 0, not %g", v->haze);
-    else if (v->curvature > 0 && v->from == NULL)
-        command_fail(name, "--curvature lowers the terrain around the eye: give the eye's place by --from");
-    else if (v->curvature > 0 && !isnan(v->water))
-        command_fail(name, "--water is level and does not go with --curvature");
-    else if (!(w->fov > 0 && w->fov < 180))
-        command_fail(name, "--fov takes degrees above 0 and below 180, not %g", w->fov);
-    else
-        return product_check_curvature(name, v->curvature);
-    return false;
+    if (v->sun && v->time) return command_refuse(name, "give the sun's place by either --sun or --time");
+    if (v->time && !cw_sun_parse_time(v->time, &w->seconds))
+        return command_refuse(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'",
+                              v->time);
+    if (v->curvature > 0 && v->from == NULL)
+        return command_refuse(name, "--curvature lowers the terrain around the eye: give the eye's place by --from");
+    if (v->curvature > 0 && !isnan(v->water))
+        return command_refuse(name, "--water is level and does not go with --curvature");
+    return true;
 }
 
 /* Field space to metres east, north and up of the middle of the map, on a plane that touches the earth there. */

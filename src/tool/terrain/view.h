@@ -9,8 +9,8 @@
 typedef struct view_options {
     const char *dem; /* NULL: the operand, if it is no scene */
     const char *from, *to, *sun, *time;
-    double fov;       /* degrees; NaN: not given */
-    double haze;      /* visibility in metres; NaN: not given */
+    double fov;       /* degrees; 0: not given */
+    double haze;      /* visibility in metres; 0: not given */
     double water;     /* height in metres; NaN: not given */
     double curvature; /* factor; NaN: not given */
     bool sky;
