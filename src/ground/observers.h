@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Many places: from the command line, from a file, or along a line. */
+/* Many places: from the command line, from a file, or along a line; and what one of them sees, in numbers. */
 #ifndef CELLWALK_GROUND_OBSERVERS_H
 #define CELLWALK_GROUND_OBSERVERS_H
 
@@ -48,5 +48,15 @@ bool observers_have_names(const observers *o);
 /* The place, with a text for messages in the caller's memory. */
 enum { OBSERVER_TEXT = 300 };
 ground_place observers_place(const observers *o, size_t k, char text[OBSERVER_TEXT]);
+
+typedef struct view_sum {
+    double samples, km2;             /* in sight; each with the area of a cell in its row */
+    double farthest, farthest_at[2]; /* metres, and where on the map; NaN: nothing is in sight */
+} view_sum;
+
+/* Of the samples of a rectangle of the terrain that are not 0, and not 0 in within unless that is NULL, as seen from eye in field
+ * coordinates. */
+view_sum view_sum_of(const terrain *t, cw_rectangle at, const uint16_t *seen, const uint8_t *within,
+                     const double eye[2]);
 
 #endif

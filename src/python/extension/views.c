@@ -3,9 +3,7 @@
 #include "call.h"
 #include "line.h"
 #include "observers.h"
-#include "place_horizon.h"
-#include "sun_day.h"
-#include "view_sum.h"
+#include "place_sky.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "inputs.h"
 #include "observers.h"
 #include "output.h"
-#include "place_horizon.h"
+#include "place_sky.h"
 #include "product.h"
 #include "progress.h"
 #include "sight.h"

@@ -74,10 +74,9 @@ enum { X1, Y1, X2, Y2, HEIGHT1, HEIGHT2, NAME, NAMES };
 static const char *const columns[NAMES] = {"x1", "y1", "x2", "y2", "height1", "height2", "name"};
 
 typedef struct job {
-    product *product;
+    los_command *command;
     io_table table;
     size_t columns[NAMES];
-    double curvature, megahertz;
     profile profile;
     io_output *results, *profiles;
     size_t visible; /* pairs so far */
@@ -85,7 +84,7 @@ typedef struct job {
 
 static bool find_columns(job *j, io_error *error) {
     const io_table *t = &j->table;
-    const ground_watch *w = &j->product->ground.watch;
+    const ground_watch *w = &j->command->product.ground.watch;
     if (t->rows == 0) return io_fail(error, "%s: holds no pairs", t->path);
     return io_table_columns(t, columns, NAMES, HEIGHT1, j->columns, w->warn, w->context, error);
 }
@@ -124,8 +123,8 @@ static bool write_row(job *j, size_t row, const line *l, io_error *error) {
                      : io_output_print(j->results, error, ",,,")))
         return false;
     clearance c;
-    if (j->megahertz > 0) {
-        line_clearance(l, j->megahertz, &j->profile, &c);
+    if (j->command->megahertz > 0) {
+        line_clearance(l, j->command->megahertz, &j->profile, &c);
         if (!(isnan(c.share) ? io_output_print(j->results, error, ",,,")
                              : io_output_print(j->results, error, ",%.4f,%.3f,%.3f", c.share, c.distance, c.radius)))
             return false;
@@ -140,11 +139,13 @@ static bool look_at_pair(job *j, size_t row, io_error *error) {
     line l;
     for (int end = 0; end < 2; end++)
         if (!take_place(j, row, end, &places[end], texts[end], error)) return false;
-    profile *p = j->profiles || j->megahertz > 0 ? &j->profile : NULL;
-    if (!line_find_on(&l, &j->product->ground, places, j->curvature, p, error) || !write_row(j, row, &l, error))
+    profile *p = j->profiles || j->command->megahertz > 0 ? &j->profile : NULL;
+    if (!line_find_on(&l, &j->command->product.ground, places, j->command->curvature, p, error) ||
+        !write_row(j, row, &l, error))
         return false;
     j->visible += !l.blocked;
-    return j->profiles == NULL || line_write_profile(&l, row + 1, j->megahertz, &j->profile, j->profiles, error);
+    return j->profiles == NULL ||
+           line_write_profile(&l, row + 1, j->command->megahertz, &j->profile, j->profiles, error);
 }
 
 static bool look_at_all(job *j, io_error *error) {
@@ -152,23 +153,20 @@ static bool look_at_all(job *j, io_error *error) {
     static const char *const more = ",clearance,clearance_distance,fresnel_radius";
     const size_t rows = j->table.rows;
     if (!find_columns(j, error) || !io_output_write(j->results, head, sizeof head - 1, error)) return false;
-    if (!io_output_print(j->results, error, "%s%s\n", j->megahertz > 0 ? more : "", is_named(j) ? ",name" : ""))
+    if (!io_output_print(j->results, error, "%s%s\n", j->command->megahertz > 0 ? more : "",
+                         is_named(j) ? ",name" : ""))
         return false;
-    if (j->profiles && !line_head_profiles(j->megahertz, j->profiles, error)) return false;
+    if (j->profiles && !line_head_profiles(j->command->megahertz, j->profiles, error)) return false;
     for (size_t row = 0; row < rows; row++) {
         if (!look_at_pair(j, row, error)) return false;
-        if (!product_tell(j->product, (double)(row + 1) / (double)rows)) return io_fail(error, "interrupted");
+        if (!product_tell(&j->command->product, (double)(row + 1) / (double)rows)) return io_fail(error, "interrupted");
     }
     return true;
 }
 
 static bool look_at_pairs(los_command *c, io_output *results, io_output *profiles, size_t *visible, size_t *pairs,
                           io_error *error) {
-    job j = {.product = &c->product,
-             .curvature = c->curvature,
-             .megahertz = c->megahertz,
-             .results = results,
-             .profiles = profiles};
+    job j = {.command = c, .results = results, .profiles = profiles};
     ground *g = &c->product.ground;
     if (ground_is_small(g) && !ground_read(g, ground_all(g), false, error)) return false;
     if (!io_table_read(c->pairs, &j.table, error)) return false;

@@ -22,15 +22,11 @@ enum { SUNS_MOST = 1100000 };
 
 typedef struct sun_command {
     product product;
-    const char *date, *to, *step, *place, *suns_file;
-    double linke, curvature;
-    unsigned directions, sky;
+    const char *date, *to, *step, *place;
+    unsigned directions;
     bool irradiance;
-    sun_table at;
-    /* By check. */
-    double first, last; /* midnights of UTC that begin the first and the last day */
-    double seconds;     /* of a step */
-    double lon_lat[2];
+    sun_table at; /* all that the table shares with the raster stands here */
+    double last;  /* midnight of UTC that begins the last day */
     /* The work. */
     sun_list suns; /* weights: of the file's */
     size_t bands;
@@ -46,9 +42,9 @@ static bool enter(product *p, io_error *error) {
     const insolation_desc desc = {.suns = c->suns.suns,
                                   .count = c->suns.count,
                                   .weights = c->suns.weights,
-                                  .hours = c->seconds / 3600,
-                                  .linke = c->linke,
-                                  .curvature = c->curvature,
+                                  .hours = c->at.desc.step / 3600,
+                                  .linke = c->at.desc.linke,
+                                  .curvature = c->at.curvature,
                                   .directions = c->directions};
     return product_good(cw_insolation_create(&p->ground.terrain, &desc, &c->sum), error);
 }
@@ -58,7 +54,7 @@ static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, 
     const terrain *t = &p->ground.terrain;
     const cw_run run = product_query(p);
     const cw_area area = {{0, row, t->nx, rows}, 0};
-    const cw_horizon sky = {.count = c->sky, .curvature = c->curvature, .flags = CW_HORIZON_TILTED};
+    const cw_horizon sky = {.count = c->at.desc.sky, .curvature = c->at.curvature, .flags = CW_HORIZON_TILTED};
     const cw_status status = !c->irradiance   ? cw_insolation_hours(c->sum, &run, area, cells)
                              : band == DIRECT ? cw_insolation_direct(c->sum, &run, area, cells)
                                               : cw_sky_view(t, &run, &sky, area, cells);
@@ -71,13 +67,13 @@ static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, 
  * piece. */
 static bool find_suns(sun_command *c, const sun_place *place, io_error *error) {
     sun_list *list = &c->suns;
-    if (c->suns_file) return sun_list_read(c->suns_file, &c->product.ground.watch, list, error);
-    list->count = (size_t)nearbyint((c->last + day - c->first) / c->seconds);
+    if (c->at.suns) return sun_list_read(c->at.suns, &c->product.ground.watch, list, error);
+    list->count = (size_t)nearbyint((c->last + day - c->at.first) / c->at.desc.step);
     list->suns = malloc(list->count * sizeof *list->suns);
     if (list->suns == NULL) return io_fail(error, "out of memory");
-    const double midnight = c->first - place->longitude / 360 * day;
+    const double midnight = c->at.first - place->longitude / 360 * day;
     for (size_t k = 0; k < list->count; k++)
-        list->suns[k] = sun_place_at(place, midnight + ((double)k + 0.5) * c->seconds);
+        list->suns[k] = sun_place_at(place, midnight + ((double)k + 0.5) * c->at.desc.step);
     return true;
 }
 
@@ -90,20 +86,20 @@ static bool find_what_matters(product *p, io_error *error) {
     c->shadows[0].altitude = 90; /* without any sun there are no shadows */
     for (size_t k = 0; k < count; k++) {
         cw_insolation_direction(c->sum, k, &c->shadows[k].azimuth, &c->shadows[k].altitude);
-        c->shadows[k].curvature = c->curvature;
+        c->shadows[k].curvature = c->at.curvature;
     }
     p->matters = (ground_matters){.suns = c->shadows,
                                   .sun_count = count > 0 ? count : 1,
                                   .horizons = c->bands == BANDS,
                                   .above_level = true,
-                                  .curvature = c->curvature};
+                                  .curvature = c->at.curvature};
     return true;
 }
 
 static void note_light(product *p, const sun_command *c) {
     product_note(p, "CLEAR_SKY=ESRA (Rigollier, Bauer, Wald 2000)");
-    product_note(p, "LINKE=%.9g", c->linke);
-    product_note(p, "SKY_DIRECTIONS=%u", c->sky);
+    product_note(p, "LINKE=%.9g", c->at.desc.linke);
+    product_note(p, "SKY_DIRECTIONS=%u", c->at.desc.sky);
     product_note(p, "DIFFUSE_LEVEL=%.9g", cw_insolation_diffuse(c->sum));
 }
 
@@ -113,7 +109,7 @@ static void describe_list(product *p, const sun_command *c) {
                                    : "sum of the weights of suns that are seen");
     p->raster.white = 0;
     for (size_t k = 0; k < c->suns.count; k++) p->raster.white += c->suns.weights[k];
-    product_note(p, "SUNS_FILE=%s", c->suns_file);
+    product_note(p, "SUNS_FILE=%s", c->at.suns);
     product_note(p, "SUNS=%zu", c->suns.count);
 }
 
@@ -123,11 +119,11 @@ static void describe(product *p, const sun_command *c, const sun_place *place) {
                      c->irradiance ? "energy of sunlight on the ground under a cloudless sky"
                                    : "hours of direct sunlight");
     p->raster.unit = c->irradiance ? "Wh/m2" : "h";
-    p->raster.white = 24 * ((c->last - c->first) / day + 1);
+    p->raster.white = 24 * ((c->last - c->at.first) / day + 1);
     if (c->irradiance) p->raster.band_names = bands;
     product_note(p, "DATE=%s", c->date);
     product_note(p, "TO=%s", c->to ? c->to : c->date);
-    product_note(p, "STEP_SECONDS=%.9g", c->seconds);
+    product_note(p, "STEP_SECONDS=%.9g", c->at.desc.step);
     product_note(p, "SUN_OVER=%.9g,%.9g", place->longitude, place->latitude);
     if (c->irradiance) note_light(p, c);
 }
@@ -135,19 +131,19 @@ static void describe(product *p, const sun_command *c, const sun_place *place) {
 static bool begin(product *p, io_error *error) {
     sun_command *c = p->context;
     const ground *g = &p->ground;
-    sun_place place = {c->lon_lat[0], c->lon_lat[1], 0};
+    sun_place *place = &c->at.desc.place;
     if (c->at.at) return sun_table_write(p, &c->at, error);
-    if (!c->place && !c->suns_file && !sun_place_find(&g->whole, &g->about.georef, g->path, NULL, &place, error))
+    if (!c->place && !c->at.suns && !sun_place_find(&g->whole, &g->about.georef, g->path, NULL, place, error))
         return false;
-    if (!find_suns(c, &place, error) || !product_check_output(p, error) || !enter(p, error) ||
+    if (!find_suns(c, place, error) || !product_check_output(p, error) || !enter(p, error) ||
         !find_what_matters(p, error))
         return false;
-    if (c->suns_file)
+    if (c->at.suns)
         describe_list(p, c);
     else
-        describe(p, c, &place);
+        describe(p, c, place);
     product_note(p, "SUN_DIRECTIONS=%zu%s", cw_insolation_directions(c->sum), c->directions ? "" : " (each sun's own)");
-    product_note(p, "CURVATURE=%.9g", c->curvature);
+    product_note(p, "CURVATURE=%.9g", c->at.curvature);
     return true;
 }
 
@@ -209,23 +205,24 @@ static bool read_step(const char *text, double *seconds) {
 
 static bool check(void *context, size_t *bands) {
     sun_command *c = context;
-    double unused;
-    const bool energy_only = c->linke > 0 || c->sky > 0, dated = c->date || c->to || c->step || c->place;
+    double unused, lon_lat[2] = {0, 0};
+    const bool energy_only = c->at.desc.linke > 0 || c->at.desc.sky > 0,
+               dated = c->date || c->to || c->step || c->place;
     if (c->step == NULL) c->step = c->at.at ? "1min" : "15min";
-    if (c->suns_file && (dated || energy_only))
+    if (c->at.suns && (dated || energy_only))
         return command_refuse(name, "--suns goes with none of --date, --to, --step, --lon-lat, --linke and --sky");
-    if (!c->suns_file && c->date == NULL) return command_refuse(name, "--date is missing, or --suns FILE.csv");
-    if (c->date && !read_days(c->date, &c->first, &c->last))
+    if (!c->at.suns && c->date == NULL) return command_refuse(name, "--date is missing, or --suns FILE.csv");
+    if (c->date && !read_days(c->date, &c->at.first, &c->last))
         return command_refuse(name, "--date takes a day, as 2024-06-21, a month or a year, not '%s'", c->date);
     if (c->to && !read_days(c->to, &unused, &c->last))
         return command_refuse(name, "--to takes a day, as 2024-06-21, a month or a year, not '%s'", c->to);
-    if (c->to && c->last < c->first) return command_refuse(name, "--to %s is before --date %s", c->to, c->date);
-    if (!read_step(c->step, &c->seconds))
+    if (c->to && c->last < c->at.first) return command_refuse(name, "--to %s is before --date %s", c->to, c->date);
+    if (!read_step(c->step, &c->at.desc.step))
         return command_refuse(name, "--step takes a time that divides a day, as 15min, 1h or 30s, not '%s'", c->step);
-    if ((c->last + day - c->first) / c->seconds > SUNS_MOST)
+    if ((c->last + day - c->at.first) / c->at.desc.step > SUNS_MOST)
         return command_refuse(name, "there are more than %d steps from %s to %s; give a longer --step", SUNS_MOST,
                               c->date, c->to ? c->to : c->date);
-    if (c->place && (ground_numbers(c->place, c->lon_lat, 2, 2) == 0 || fabs(c->lon_lat[1]) > 90))
+    if (c->place && (ground_numbers(c->place, lon_lat, 2, 2) == 0 || fabs(lon_lat[1]) > 90))
         return command_refuse(name, "--lon-lat takes longitude and latitude in degrees, as 6.1,49.8, not '%s'",
                               c->place);
     if (c->at.desc.max_distance > 0 && !c->at.at) return command_refuse(name, "--max-distance goes with --at");
@@ -234,18 +231,12 @@ static bool check(void *context, size_t *bands) {
             name, "--at prints hours and energy, and goes with none of --irradiance, --directions and --window");
     if (energy_only && !c->irradiance && !c->at.at)
         return command_refuse(name, "--linke and --sky go with --irradiance");
-    if (c->linke == 0) c->linke = CLEAR_SKY_LINKE;
-    if (c->sky == 0) c->sky = 32;
-    *bands = c->bands = c->at.at ? 0 : c->irradiance && !c->suns_file ? BANDS : 1;
-    c->at.suns = c->suns_file;
-    c->at.curvature = c->curvature;
-    c->at.first = c->first;
-    c->at.days = (size_t)nearbyint((c->last - c->first) / day) + 1;
+    if (c->at.desc.linke == 0) c->at.desc.linke = CLEAR_SKY_LINKE;
+    if (c->at.desc.sky == 0) c->at.desc.sky = 32;
+    *bands = c->bands = c->at.at ? 0 : c->irradiance && !c->at.suns ? BANDS : 1;
+    c->at.days = (size_t)nearbyint((c->last - c->at.first) / day) + 1;
     c->at.placed = c->place != NULL;
-    c->at.desc.place = (sun_place){c->lon_lat[0], c->lon_lat[1], 0};
-    c->at.desc.step = c->seconds;
-    c->at.desc.linke = c->linke;
-    c->at.desc.sky = c->sky;
+    c->at.desc.place = (sun_place){lon_lat[0], lon_lat[1], 0};
     return sun_table_check(&c->at, name);
 }
 
@@ -259,7 +250,7 @@ static int run(int argc, char **argv) {
         option_text(
             "step", "TIME", &c.step,
             "time between two places of the sun, as 30s, 15min (default, with --at 1min) or 1h; it divides a day"),
-        option_text("suns", "CSV", &c.suns_file,
+        option_text("suns", "CSV", &c.at.suns,
                     "places of the sun in place of dates, for the Moon, Mars or a weather year: a table whose first "
                     "line names the columns azimuth (from the map's north), altitude and, if there, weight; the result "
                     "is the sum of the weights of suns that are seen, with --irradiance that of their light on the "
@@ -270,9 +261,9 @@ static int run(int argc, char **argv) {
         option_flag("irradiance", &c.irradiance,
                     "energy instead of hours, in watt hours a square metre of the ground as it leans: one band of "
                     "direct light, one of diffuse light"),
-        option_range("linke", "TL", &c.linke, 1, 10, "a turbidity from 1 to 10",
+        option_range("linke", "TL", &c.at.desc.linke, 1, 10, "a turbidity from 1 to 10",
                      "with --irradiance: Linke's turbidity for an air mass of 2, from 1 to 10 (default: 3)"),
-        option_count("sky", "N", &c.sky, 1, 3600,
+        option_count("sky", "N", &c.at.desc.sky, 1, 3600,
                      "with --irradiance: directions of the sky-view factor for diffuse light (default: 32)"),
         option_text("lon-lat", "LON,LAT", &c.place,
                     "where on earth the terrain is, in degrees, for files that do not say; the map's north is then the "
@@ -292,7 +283,7 @@ static int run(int argc, char **argv) {
         option_metres(
             "max-distance", &c.at.desc.max_distance,
             "with --at: terrain farther away than D metres does not count and is not read (default: no limit)"),
-        product_flat_earth_row(&c.curvature),
+        product_flat_earth_row(&c.at.curvature),
     };
     const options_usage usage = {
         .name = name,

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk sun --at`: the sun at one place as a table. */
+/* `cellwalk sun --at`: the sun at one place as a table. Most of it is also what the raster is made by. */
 #ifndef CELLWALK_TOOL_TERRAIN_SUN_TABLE_H
 #define CELLWALK_TOOL_TERRAIN_SUN_TABLE_H
 
+#include "place_sky.h"
 #include "product.h"
-#include "sun_day.h"
 
 typedef struct sun_table {
     const char *at;   /* NULL: not asked for */
     const char *tilt; /* degrees, or "ground"; NULL: level */
     double facing;    /* NaN: not given */
     ground_place place;
-    sun_day_desc desc; /* but for what lies below */
+    sun_day_desc desc; /* tilt and facing by sun_table_check */
     bool placed;       /* desc.place is known */
     bool ground;       /* the surface is the ground as it leans */
     const char *suns;  /* a file with their places in place of days; NULL: none */

@@ -2,11 +2,11 @@
 #include "view.h"
 
 #include "command.h"
+#include "half.h"
 #include "inputs.h"
 #include "landscape.h"
 #include "sight.h"
 #include "sun_place.h"
-#include "tint.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -216,6 +216,45 @@ static void shine(const wish *w, landscape_desc *d) {
     memcpy(d->horizon, horizon, sizeof horizon);
     memcpy(d->above, above, sizeof above);
     memcpy(d->plain, plain, sizeof plain);
+}
+
+/* ---- colours ------------------------------------------------------------------------------------------------------ */
+
+/* Texels a side at most: heights change slowly enough for as many. */
+enum { TEXELS_MOST = 2048 };
+
+/* Linear light at even steps of height. */
+enum { TINT_STEPS = 4 };
+static const float tints[TINT_STEPS + 1][3] = {
+    {0.10f, 0.24f, 0.08f}, {0.34f, 0.40f, 0.14f}, {0.50f, 0.37f, 0.18f}, {0.38f, 0.30f, 0.25f}, {0.92f, 0.92f, 0.95f}};
+
+static void tint(double height, double low, double high, uint16_t rgba[4]) {
+    const double x = high > low && height > low ? fmin((height - low) / (high - low), 1) * TINT_STEPS : 0;
+    const int step = x < TINT_STEPS ? (int)x : TINT_STEPS - 1;
+    const float part = (float)(x - step);
+    for (int c = 0; c < 3; c++)
+        rgba[c] = half_from_float(tints[step][c] + part * (tints[step + 1][c] - tints[step][c]));
+    rgba[3] = 0;
+}
+
+/* The place in the field that a texel shows. */
+static double texel_place(size_t texel, size_t texels, size_t samples) {
+    return ((double)texel + 0.5) / (double)texels * (double)(samples - 1);
+}
+
+/* Green at the lowest height, brown, white at the highest. */
+static bool tint_heights(io_image *colours, const terrain *t, io_error *error) {
+    const cw_field_info info = cw_field_describe(t->field);
+    const double metres = terrain_metres_of_height(t);
+    const double low = (double)info.low * metres, high = (double)info.high * metres;
+    const size_t columns = t->nx - 1 < TEXELS_MOST ? t->nx - 1 : TEXELS_MOST;
+    const size_t rows = t->ny - 1 < TEXELS_MOST ? t->ny - 1 : TEXELS_MOST;
+    if (!io_image_allocate(colours, columns, rows, "the field's colours", error)) return false;
+    for (size_t y = 0; y < rows; y++)
+        for (size_t x = 0; x < columns; x++)
+            tint(cw_terrain_height(t, texel_place(x, columns, t->nx), texel_place(y, rows, t->ny)), low, high,
+                 colours->halves + ((columns + 2) * y + x + 1) * 4);
+    return true;
 }
 
 /* ---- all together ------------------------------------------------------------------------------------------------- */

@@ -3,7 +3,6 @@
 
 #include "sight.h"
 #include "table.h"
-#include "view_sum.h"
 
 #include <math.h>
 #include <stdlib.h>

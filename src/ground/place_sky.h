@@ -1,10 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The sun at one place, day by day: behind the hills, and as it would be without them. */
-#ifndef CELLWALK_GROUND_SUN_DAY_H
-#define CELLWALK_GROUND_SUN_DAY_H
+/* The sky of one place: the horizon as it sees it, and the sun day by day, behind the hills and as it would be without them. */
+#ifndef CELLWALK_GROUND_PLACE_SKY_H
+#define CELLWALK_GROUND_PLACE_SKY_H
 
 #include "sight.h"
 #include "sun_place.h"
+
+/* In one direction: degrees of the compass and above the level, metres, and where on the map. All but the azimuth are NaN where no
+ * terrain is. */
+typedef struct place_horizon {
+    double azimuth, angle, distance, at[2];
+} place_horizon;
+
+/* The eye is that of s. max_distance in metres; 0: no limit. */
+place_horizon place_horizon_toward(sight *s, double azimuth, double max_distance);
 
 typedef struct sun_day_desc {
     sun_place place;
@@ -16,9 +25,8 @@ typedef struct sun_day_desc {
 } sun_day_desc;
 
 typedef struct sun_day {
-    double rise,
-        set; /* of the sun behind the hills: the first lit step's beginning and the last one's end, in seconds since
-                                 * 1970; NaN: it is never lit */
+    /* Of the sun behind the hills: the first lit step's beginning and the last one's end, in seconds since 1970; NaN: it is never lit. */
+    double rise, set;
     double hours, free_hours;   /* of direct light; free: without hills */
     double direct, free_direct; /* energy in Wh/m² of the surface */
     double diffuse, free_diffuse;
