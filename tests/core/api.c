@@ -43,10 +43,8 @@ static cw_status try_create(cw_field_desc desc) {
 static void test_bad_fields(void **state) {
     (void)state;
     static const float z[12] = {0};
-    cw_field_desc good = {0}, d;
-    good.samples = z;
-    good.nx = 3;
-    good.ny = 2;
+    const cw_field_desc good = {.samples = z, .nx = 3, .ny = 2};
+    cw_field_desc d;
     check_status(try_create(good), CW_OK);
     d = good, d.storage = (cw_storage)2;
     check_status(try_create(d), CW_ERROR_ARGUMENT);
@@ -78,9 +76,8 @@ static void test_bad_fields(void **state) {
 static void test_bad_maps(void **state) {
     (void)state;
     static const float z[4] = {0};
-    cw_field_desc good = {.map = {{1}, {0, 1}, {0, 0, 1}}}, d;
-    good.samples = z;
-    good.nx = good.ny = 2;
+    const cw_field_desc good = {.samples = z, .nx = 2, .ny = 2, .map = {{1}, {0, 1}, {0, 0, 1}}};
+    cw_field_desc d;
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 4; c++) {
             const double odd[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
@@ -103,9 +100,7 @@ static void test_bad_maps(void **state) {
 static void test_heights_that_are_too_large(void **state) {
     (void)state;
     float z[4] = {0, CW_HEIGHT_MAX, -CW_HEIGHT_MAX, NAN};
-    cw_field_desc d = {0};
-    d.samples = z;
-    d.nx = d.ny = 2;
+    cw_field_desc d = {.samples = z, .nx = 2, .ny = 2};
     for (int storage = CW_COPY; storage <= CW_BORROW; storage++) {
         d.storage = (cw_storage)storage;
         check_status(try_create(d), CW_OK);
@@ -122,15 +117,13 @@ static void test_heights_that_are_too_large(void **state) {
 static void test_descriptions_filled_in_by_hand(void **state) {
     (void)state;
     static const float z[4] = {0, 1, 2, 3};
-    const cw_field_desc d = {.samples = z, .nx = 2, .ny = 2};
-    cw_field *f;
-    check_status(cw_field_create(&d, NULL, &f), CW_OK);
+    cw_field *f = field_of(z, 2, 2);
     const cw_hit hit = {.t = 1, .u = 0.5f, .triangle = CW_TRIANGLE_B};
     double point[3];
     cw_hit_points(f, NULL, &hit, 1, point);
     check(point[0] == 0.5 && point[1] == 0.5 && point[2] == 1.5, "at (%g, %g, %g)", point[0], point[1], point[2]);
     cw_field_destroy(f);
-    cw_field_desc moved = d;
+    cw_field_desc moved = {.samples = z, .nx = 2, .ny = 2};
     moved.map[0][3] = 1; /* a translation alone is no map */
     check_status(try_create(moved), CW_ERROR_ARGUMENT);
 }
@@ -154,10 +147,7 @@ static void test_pool_sizes(void **state) {
 static void test_holes_in_borrowed_samples(void **state) {
     (void)state;
     float z[4] = {0, NAN, 1, 2};
-    cw_field_desc d = {0};
-    d.samples = z;
-    d.nx = d.ny = 2;
-    d.storage = CW_BORROW;
+    cw_field_desc d = {.samples = z, .nx = 2, .ny = 2, .storage = CW_BORROW};
     check_status(try_create(d), CW_OK);
     z[1] = -INFINITY;
     check_status(try_create(d), CW_ERROR_SAMPLE);
@@ -182,12 +172,7 @@ static void test_holes_are_counted(void **state) {
     assert_non_null(z);
     size_t holes = 0;
     for (size_t k = 0; k < (size_t)NX * NY; k += STEP, holes++) z[k] = NAN;
-    cw_field_desc d = {0};
-    d.samples = z;
-    d.nx = NX;
-    d.ny = NY;
-    cw_field *f;
-    check_status(cw_field_create(&d, NULL, &f), CW_OK);
+    cw_field *f = field_of(z, NX, NY);
     assert_int_equal(cw_field_describe(f).holes, holes);
     cw_field_destroy(f);
     free(z);
@@ -215,11 +200,7 @@ static void test_bad_queries(void **state) {
     check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_KERNEL);
     check_status(cw_occluded(field, &q, rays, 2, occluded), CW_ERROR_KERNEL);
 
-    cw_field_desc d = {0};
-    d.samples = shape.z;
-    d.nx = d.ny = 2;
-    cw_field *f;
-    check_status(cw_field_create(&d, NULL, &f), CW_OK);
+    cw_field *f = field_of(shape.z, 2, 2);
     q = (cw_run){.expert.kernel = cw_kernel_find("grid3d")};
     assert_true(cw_kernel_describe(q.expert.kernel).needs_build);
     check_status(cw_closest(f, &q, rays, 2, hits), CW_ERROR_NOT_BUILT);
@@ -297,10 +278,7 @@ static void test_names(void **state) {
 static void test_borrowed_and_copied(void **state) {
     (void)state;
     float z[6] = {1, 1, 9, 1, 1, 9}; /* 2 × 2 in rows of three */
-    cw_field_desc d = {0};
-    d.samples = z;
-    d.nx = d.ny = 2;
-    d.stride = 3;
+    cw_field_desc d = {.samples = z, .nx = 2, .ny = 2, .stride = 3};
     cw_field *copied, *borrowed;
     check_status(cw_field_create(&d, NULL, &copied), CW_OK);
     d.storage = CW_BORROW;
@@ -378,13 +356,7 @@ static void test_moved_rays_agree(void **state) {
     enum { N = 500 };
     static cw_user_ray given[N];
     static cw_ray got_rays[2][N];
-    cw_field_desc d = {0};
-    d.samples = shape.z;
-    d.nx = shape.nx;
-    d.ny = shape.ny;
-    memcpy(d.map, map, sizeof map);
-    cw_field *f;
-    check_status(cw_field_create(&d, NULL, &f), CW_OK);
+    cw_field *f = field_mapped(shape.z, shape.nx, shape.ny, map);
     random_state r = {12};
     for (size_t k = 0; k < N; k++) {
         for (int c = 0; c < 3; c++) {

@@ -127,10 +127,7 @@ static void test_spaces_under_other_rounding(void **state) {
     (void)state;
     if (FP_MODES == 0) skip();
     const cw_user_ray in = {.org = {0.1, 0.2, 0.3}, .dir = {1.0 / 3, 0.7, -0.9}, .tmax = 1e3};
-    cw_field_desc d = {0};
-    d.samples = shape.z;
-    d.nx = shape.nx;
-    d.ny = shape.ny;
+    cw_field_desc d = {.samples = shape.z, .nx = shape.nx, .ny = shape.ny};
     for (int c = 0; c < 3; c++) d.map[c][c] = 0.3, d.map[c][3] = 0.7;
     const uint64_t before = fp_register();
     cw_ray ray[4];

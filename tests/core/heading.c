@@ -271,10 +271,7 @@ static void check_bounds(void) {
         for (size_t k = 0; k < 1 + round % 4; k++)
             field_a.z[random_below(&r, NX * NY)] += (float)random_between(&r, 0, 9);
         cw_field *with = field_open(&field_a), *without = NULL;
-        cw_field_desc desc = {0};
-        desc.samples = field_a.z;
-        desc.nx = NX;
-        desc.ny = NY;
+        const cw_field_desc desc = {.samples = field_a.z, .nx = NX, .ny = NY};
         check_status(cw_field_create(&desc, &(cw_run){.expert.kernel = cw_kernel_find("cell")}, &without), CW_OK);
         for (size_t d = 0; d < 24; d += step()) {
             double dir[2];

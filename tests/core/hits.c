@@ -115,13 +115,7 @@ static void test_what_follows_from_no_hit(void **state) {
 
 static void test_what_follows_from_a_hit(void **state) {
     (void)state;
-    cw_field_desc d = {0};
-    d.samples = shape.z;
-    d.nx = shape.nx;
-    d.ny = shape.ny;
-    memcpy(d.map, map, sizeof map);
-    cw_field *mapped;
-    check_status(cw_field_create(&d, NULL, &mapped), CW_OK);
+    cw_field *mapped = field_mapped(shape.z, shape.nx, shape.ny, map);
     size_t hits = 0;
     for (size_t k = 0; k < RAYS; k++) {
         const cw_hit *hit = &expected[k];
@@ -157,13 +151,9 @@ static void test_normals_of_maps_of_any_size(void **state) {
     static const int exponents[] = {0, -1010, -600, 600, 1010};
     double first[20][2][3];
     for (size_t e = 0; e < sizeof exponents / sizeof exponents[0]; e++) {
-        cw_field_desc d = {0};
-        d.samples = shape.z;
-        d.nx = shape.nx;
-        d.ny = shape.ny;
-        for (int k = 0; k < 12; k++) d.map[k / 4][k % 4] = ldexp(map[k / 4][k % 4], exponents[e]);
-        cw_field *mapped;
-        check_status(cw_field_create(&d, NULL, &mapped), CW_OK);
+        double scaled[3][4];
+        for (int k = 0; k < 12; k++) scaled[k / 4][k % 4] = ldexp(map[k / 4][k % 4], exponents[e]);
+        cw_field *mapped = field_mapped(shape.z, shape.nx, shape.ny, (const double(*)[4])scaled);
         for (int32_t k = 0; k < 20; k++) {
             const cw_hit hit = {.i = k % 16, .j = k * 7 % 16, .triangle = (uint32_t)k % 2, .u = 0.25f, .v = 0.125f};
             double v[2][3];
@@ -181,11 +171,7 @@ static void test_normals_of_maps_of_any_size(void **state) {
 static void test_phong_normal_beside_a_hole(void **state) {
     (void)state;
     const float z[9] = {0, 1, NAN, 0, 1, 5, 0, 1, 2};
-    cw_field_desc d = {0};
-    d.samples = z;
-    d.nx = d.ny = 3;
-    cw_field *f;
-    check_status(cw_field_create(&d, NULL, &f), CW_OK);
+    cw_field *f = field_of(z, 3, 3);
     const cw_hit corner = {.t = 0, .u = 1, .v = 0, .i = 0, .j = 0, .triangle = CW_TRIANGLE_A}; /* sample (1, 0) */
     double n[3];
     cw_hit_phong_normals(f, NULL, &corner, 1, n);

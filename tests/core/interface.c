@@ -27,11 +27,7 @@ static const double map[3][4] = {{30, -5, 0, 3e6}, {4, 31, 0, -7e6}, {0.5, 0.25,
 static int set_up(void **state) {
     (void)state;
     field_make(&shape, FIELD_HOLES, SIDE, SIDE, 5);
-    cw_field_desc d = {0};
-    d.samples = shape.z;
-    d.nx = d.ny = SIDE;
-    memcpy(d.map, map, sizeof map);
-    if (cw_field_create(&d, NULL, &field) != CW_OK) return -1;
+    field = field_mapped(shape.z, SIDE, SIDE, map);
     random_state r = {9};
     for (size_t k = 0; k < RAYS; k++) {
         const double p[3] = {random_unit(&r) * SIDE, random_unit(&r) * SIDE, 3};
@@ -69,12 +65,7 @@ static void versions_agree(void **state) {
  * along an axis, and how much of a cell they may lose. Doubles are off by 10^-9 cells here. */
 static void check_precision(double to_user[3][4], double cell, const double reach[3], double most, const char *what) {
     static const float z[4];
-    cw_field_desc d = {0};
-    cw_field *f;
-    d.samples = z;
-    d.nx = d.ny = 2;
-    memcpy(d.map, to_user, sizeof d.map);
-    check_status(cw_field_create(&d, NULL, &f), CW_OK);
+    cw_field *f = field_mapped(z, 2, 2, (const double(*)[4])to_user);
     random_state r = {21};
     double worst = 0, worst_dir = 0;
     for (int k = 0; k < 4000; k++) {
@@ -328,12 +319,7 @@ static void places_along_the_fields_up(void **state) {
                                         {{0, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}}};
     random_state r = {12};
     for (size_t m = 0; m < sizeof maps / sizeof *maps; m++) {
-        cw_field_desc d = {0};
-        d.samples = shape.z;
-        d.nx = d.ny = SIDE;
-        memcpy(d.map, maps[m], sizeof d.map);
-        cw_field *turned;
-        check_status(cw_field_create(&d, NULL, &turned), CW_OK);
+        cw_field *turned = field_mapped(shape.z, SIDE, SIDE, maps[m]);
         for (int k = 0; k < 2000; k++) {
             const double x = (double)random_below(&r, 8 * SIDE) / 8, y = (double)random_below(&r, 8 * SIDE) / 8,
                          z = (double)random_below(&r, 64) - 32;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A pool that several threads use at once: each gets the answers that it would get alone, and none waits for ever. */
 
+#include "calls.h"
 #include "cellwalk_expert.h"
-#include "cellwalk_terrain.h"
 #include "check.h"
 #include "rays.h"
 
@@ -161,110 +161,19 @@ static void release(void *context, void *memory) {
     free(memory);
 }
 
-enum { PLACES = 17 * 17, LAND = 18, DEEDS = LAND + 11 };
-static double points[RAYS][3];
-static cw_user_ray user_rays[RAYS];
-static float slopes[PLACES];
-static cw_ray moved[RAYS];
-static cw_field *made; /* made under an allocator that looks for an end too */
-static cw_heading *heading;
-
-/* Those of cellwalk_terrain.h, and the end of all. */
-static cw_status of_terrain(const doomed *d, const cw_run *run) {
-    static cw_terrain *land;
-    static uint8_t lit[PLACES];
-    static float numbers[PLACES];
-    static uint16_t seen[PLACES];
-    const cw_area area = {{0, 0, 0, 0}, 0};
-    const cw_light light = {.azimuth = 40, .altitude = 20, .radius = 0.27};
-    const cw_horizon sky = {.count = 3};
-    cw_sight_answer answer;
-    switch (d->number - LAND) {
-    case 0:
-        return cw_terrain_create(&(cw_terrain_desc){.field = made}, run, &land);
-    case 1:
-        return cw_shadow(land, run, &light, area, lit);
-    case 2:
-        return cw_sunlight(land, run, &light, area, numbers);
-    case 3:
-        return cw_horizon_angles(land, run, &sky, 1, area, numbers, slopes);
-    case 4:
-        return cw_sky_view(land, run, &sky, area, numbers);
-    case 5:
-        return cw_openness(land, run, &(cw_horizon){.count = 3, .flags = CW_HORIZON_BELOW}, area, numbers);
-    case 6:
-        return cw_viewshed(land, run, &(cw_observer){.x = 5, .y = 5, .height = 1}, area, &(cw_view){.seen = seen});
-    case 7:
-        return cw_lines_of_sight(land, run, 0, &(cw_sight){.from = {1, 1, 1}, .to = {9, 4, 1}}, 1, &answer);
-    case 8:
-        return cw_visibility(land, run, &(cw_visibility_desc){.directions = 3}, area,
-                             &(cw_visibility_answers){.share = numbers, .farthest = slopes});
-    case 9:
-        cw_heading_destroy(heading);
-        cw_terrain_destroy(land);
-        cw_field_destroy(made);
-        return CW_OK;
-    case 10:
-        cw_pool_destroy(d->pool);
-        return CW_OK;
-    default:
-        return CW_ERROR_ARGUMENT;
-    }
-}
-
-/* What waits for threads, or calls back. */
+/* What waits for threads, or calls back: two pieces of work on a pool, each function of the libraries, and the end of the pool. */
+enum { WORK = 2 };
 static cw_status do_one(const doomed *d) {
     const cw_run run = {.pool = d->pool, .watch = watch_for_an_end};
-    const cw_allocator allocator = {.allocate = allocate, .release = release};
-    const cw_field_desc desc = {.samples = shape.z, .nx = 17, .ny = 17, .allocator = &allocator};
-    const cw_rectangle all = {0, 0, 17, 17};
-    cw_field *coarser = NULL;
-    switch (d->number) {
-    case 0:
+    if (d->number == 0)
         cw_pool_run(d->pool, 2, 1, hold_helper, NULL);
-        return CW_OK;
-    case 1:
+    else if (d->number < WORK)
         cw_pool_run(d->pool, 100, 1, look_for_an_end, NULL);
-        return CW_OK;
-    case 2:
-        return cw_closest(field, &run, rays, RAYS, got[0]);
-    case 3:
-        return cw_occluded(field, &run, rays, RAYS, occluded[0]);
-    case 4:
-        return cw_closest_user(field, &run, user_rays, RAYS, got[0]);
-    case 5:
-        return cw_occluded_user(field, &run, user_rays, RAYS, occluded[0]);
-    case 6:
-        return cw_hit_points(field, &run, expected, RAYS, points[0]);
-    case 7:
-        return cw_field_create(&desc, &run, &made);
-    case 8:
-        return cw_field_update(made, &run, &(cw_update){.at = all, .samples = shape.z});
-    case 9:
-        return cw_heading_create(made, &(cw_heading_desc){.dir = {1, 0.3}}, &heading);
-    case 10:
-        return cw_heading_steepest(heading, &run, -1, 1, all, slopes);
-    case 11:
-        return cw_heading_occluded(heading, &run, 0, all, occluded[0]);
-    case 12:
-        if (cw_field_coarser(made, &run, 2, CW_FILTER_MEAN, &coarser, &(cw_difference){0}, sizeof(cw_difference)) !=
-            CW_OK)
-            return CW_ERROR_ARGUMENT;
-        cw_field_destroy(coarser);
-        return CW_OK;
-    case 13:
-        return cw_field_update(made, &run, &(cw_update){.at = all, .samples = shape.z, .wait = 1});
-    case 14:
-        return cw_field_move(made, (const double[3][4]){{0}}, 1);
-    case 15:
-        return cw_surface_at(field, &run, points[0], PLACES, got[0]);
-    case 16:
-        return cw_hit_normals(field, &run, expected, RAYS, points[0]);
-    case 17:
-        return cw_rays_to_field(field, &run, user_rays, RAYS, moved);
-    default:
-        return of_terrain(d, &run);
-    }
+    else if (d->number < WORK + every_calls_count)
+        return every_calls[d->number - WORK].make(&run);
+    else
+        cw_pool_destroy(d->pool);
+    return CW_OK;
 }
 
 /* The end is waiting before it begins, and comes at the first cancellation point. */
@@ -279,22 +188,26 @@ static void *do_one_and_end(void *argument) {
 
 static void no_function_is_a_cancellation_point(void **state) {
     (void)state;
+    const cw_allocator allocator = {.allocate = allocate, .release = release};
+    const size_t deeds = WORK + every_calls_count + 1;
     cw_pool *pool;
     cw_hit *hits = got[1];
     check_status(cw_pool_create(2, &pool), CW_OK);
-    for (size_t k = 0; k < DEEDS; k++) {
+    calls_begin(&shape, &allocator);
+    for (size_t k = 0; k < deeds; k++) {
         doomed d = {.pool = pool, .number = k};
         pthread_t thread;
         void *end = NULL;
         assert_int_equal(pthread_create(&thread, NULL, do_one_and_end, &d), 0);
         assert_int_equal(pthread_join(thread, &end), 0);
         check(d.returned && end == PTHREAD_CANCELED, "number %zu does not return, or the thread goes on", k);
-        if (k + 1 == DEEDS) break;
+        if (k + 1 == deeds) break;
         memset(hits, 0, RAYS * sizeof *hits);
         check_status(cw_closest(field, &(cw_run){.pool = pool}, rays, RAYS, hits), CW_OK);
         for (size_t r = 0; r < RAYS; r++) check(hit_same(&hits[r], &expected[r]), "after number %zu, ray %zu", k, r);
         check_status(cw_field_update(field, NULL, &(cw_update){.at = {1, 1, 1, 1}}), CW_OK);
     }
+    calls_end();
 }
 
 /* ---- processes that fork ------------------------------------------------------------------------------------------- */

@@ -2,8 +2,8 @@
 /* The stack that calls take is what the headers say: each runs in a thread on memory that was painted before. The threads of a pool
  * have the megabyte that they are promised. */
 
+#include "calls.h"
 #include "cellwalk_expert.h"
-#include "cellwalk_terrain.h"
 #include "check.h"
 #include "rays.h"
 
@@ -12,14 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the headers say; and so many rays are few. */
-enum { FEW = 8, FOR_FEW = 16 << 10, FOR_ALL = 128 << 10, FOR_TERRAIN = 48 << 10 };
-enum { SIDE = 256, RAYS = 300, ARENA = 1 << 18, PAINT = 0xa7 };
+enum { SIDE = 256, RAYS = 300, FEW = 8, ARENA = 1 << 18, PAINT = 0xa7 };
 
 static test_field shape;
 static float *const samples = shape.z;
 static cw_field *field, *longest;
-static cw_terrain *terrain;
 
 /* ---- measuring --------------------------------------------------------------------------------------------------------- */
 
@@ -76,16 +73,15 @@ static int set_up(void **state) {
     random_state r = {3};
     for (size_t k = 0; k < SIDE * SIDE; k++)
         samples[k] = 0.37f * (float)(k % SIDE) + (k / SIDE < SIDE / 2 ? 20 : 0.02f) * (float)random_unit(&r);
-    check_status(cw_field_create(&(cw_field_desc){.samples = samples, .nx = SIDE, .ny = SIDE}, NULL, &field), CW_OK);
     float *line = malloc(2 * sizeof *line * CW_SIDE_MAX);
     assert_non_null(line);
     for (size_t k = 0; k < CW_SIDE_MAX; k++)
         line[k] = line[k + CW_SIDE_MAX] = (float)k * 0x1p-10f + (float)(random_unit(&r) * 0x1p-12);
-    check_status(cw_field_create(&(cw_field_desc){.samples = line, .nx = CW_SIDE_MAX, .ny = 2}, NULL, &longest), CW_OK);
+    longest = field_of(line, CW_SIDE_MAX, 2);
     free(line);
-    check_status(cw_terrain_create(&(cw_terrain_desc){.field = field}, NULL, &terrain), CW_OK);
     shape.nx = shape.ny = SIDE;
     shape.low = 0, shape.high = 115;
+    field = calls_begin(&shape, NULL);
     for (size_t k = 0; k < RAYS; k++) {
         rays[OF_ALL_CLASSES][k] = ray_make((ray_class)(k % RAY_CLASSES), &shape, &r);
         const float x = (float)random_unit(&r), y = (float)(random_unit(&r) * SIDE / 2 + SIDE / 2);
@@ -99,20 +95,14 @@ static int set_up(void **state) {
         const float x = 5000 * (float)k;
         rays[FAR_ALONG][k] = (cw_ray){.org = {x, 0.5f, x * 0x1p-10f + 0x1p-11f}, .dir = {1, 0, 0x1p-10f}, .tmax = 2000};
     }
-    for (size_t k = 0; k < KINDS * RAYS; k++) {
-        const cw_ray *from = &rays[k % KINDS][k / KINDS];
-        cw_user_ray *to = &user_rays[k % KINDS][k / KINDS];
-        for (int c = 0; c < 3; c++) to->org[c] = (double)from->org[c], to->dir[c] = (double)from->dir[c];
-        to->tmin = (double)from->tmin;
-        to->tmax = (double)from->tmax;
-    }
+    for (size_t k = 0; k < KINDS * RAYS; k++)
+        user_rays[k % KINDS][k / KINDS] = ray_for_user(&rays[k % KINDS][k / KINDS]);
     return 0;
 }
 
 static int tear_down(void **state) {
     (void)state;
-    cw_terrain_destroy(terrain);
-    cw_field_destroy(field);
+    calls_end();
     cw_field_destroy(longest);
     return 0;
 }
@@ -147,14 +137,14 @@ static void ask_in_all_ways(const char *name, const cw_run *how, size_t limit_of
         for (int way = 0; way < 4 * KINDS; way++) {
             query q = {.run = *how, .n = counts[c], .kind = way / 4, .user = way & 1, .any = way & 2};
             for (int round = 0; round < (q.n <= FEW ? 3 : 1); round++, q.first += FEW)
-                if (test_takes(number++, 8)) keeps_to(q.n <= FEW ? limit_of_few : FOR_ALL, name, q.n, ask, &q);
+                if (test_takes(number++, 8)) keeps_to(q.n <= FEW ? limit_of_few : STACK_FOR_ALL, name, q.n, ask, &q);
         }
 }
 
 static void queries_keep_to_it(void **state) {
     (void)state;
     for (cw_isa isa = CW_ISA_ANY; isa < CW_ISA_COUNT; isa++)
-        ask_in_all_ways("the default kernel", &(cw_run){.expert.isa = isa}, FOR_FEW);
+        ask_in_all_ways("the default kernel", &(cw_run){.expert.isa = isa}, STACK_FOR_FEW);
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         if (!info.available || info.needs_build || strcmp(info.name, "brute") == 0) continue;
@@ -162,171 +152,22 @@ static void queries_keep_to_it(void **state) {
             const cw_run how = {.expert = {.kernel = cw_kernel_at(k), .leaf = leaf}};
             if (cw_run_check(field, &how) != CW_OK) continue;
             ask_in_all_ways(info.name, &how,
-                            info.width <= 16 ? FOR_FEW : FOR_ALL); /* the widest has vectors of 2 KiB */
+                            info.width <= 16 ? STACK_FOR_FEW : STACK_FOR_ALL); /* the widest has vectors of 2 KiB */
         }
     }
 }
 
 /* ---- everything else --------------------------------------------------------------------------------------------------- */
 
-static cw_hit found[RAYS];
-static float numbers[SIDE * SIDE];
-static double points[RAYS][3];
-
-static void make_fields(const void *what) {
-    cw_field *other;
-    cw_run run = {.pool = NULL};
-    (void)what;
-    check_status(cw_field_create(&(cw_field_desc){.samples = samples, .nx = SIDE, .ny = SIDE}, &run, &other), CW_OK);
-    cw_field_destroy(other);
+static void make_call(const void *what) {
+    const every_call *c = what;
+    assert_int_equal(c->make(NULL), CW_OK);
 }
-static void update(const void *what) {
-    (void)what;
-    const cw_update change = {
-        .at = {.i = 3, .j = 5, .nx = 150, .ny = 100}, .samples = samples + 5 * SIDE + 3, .stride = SIDE};
-    check_status(cw_field_update(field, NULL, &change), CW_OK);
-}
-static void update_waiting(const void *what) {
-    (void)what;
-    const cw_update change = {
-        .at = {.i = 3, .j = 5, .nx = 2, .ny = 1}, .samples = samples + 5 * SIDE + 3, .stride = SIDE, .wait = 1};
-    check_status(cw_field_update(field, NULL, &change), CW_OK);
-}
-static void move_field(const void *what) {
-    (void)what;
-    check_status(cw_field_move(field, (const double[3][4]){{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, 1), CW_OK);
-}
-static void fail_once(const void *what) {
-    (void)what;
-    check_status(cw_closest(NULL, NULL, rays[0], 1, found), CW_ERROR_ARGUMENT);
-    check_status(cw_field_update(field, NULL, &(cw_update){.at = {0, 0, SIDE + 1, 1}, .samples = samples}),
-                 CW_ERROR_ARGUMENT);
-    assert_int_not_equal(cw_last_error()[0], 0);
-}
-static void places(const void *what) {
-    (void)what;
-    check_status(cw_surface_at(field, NULL, points[0], RAYS, found), CW_OK);
-    check_status(cw_surface_at_user(field, NULL, points[0], RAYS, found), CW_OK);
-    check_status(cw_hit_points(field, NULL, found, RAYS, points[0]), CW_OK);
-    check_status(cw_hit_normals(field, NULL, found, RAYS, points[0]), CW_OK);
-    check_status(cw_hit_phong_normals(field, NULL, found, RAYS, points[0]), CW_OK);
-    static cw_ray moved[RAYS];
-    check_status(cw_rays_to_field(field, NULL, user_rays[0], RAYS, moved), CW_OK);
-}
-static void few_places(const void *what) {
-    (void)what;
-    check_status(cw_surface_at(field, NULL, points[0], 1, found), CW_OK);
-    check_status(cw_surface_at_user(field, NULL, points[0], 1, found), CW_OK);
-    check_status(cw_hit_points(field, NULL, found, 1, points[0]), CW_OK);
-    check_status(cw_hit_normals(field, NULL, found, 1, points[0]), CW_OK);
-    check_status(cw_hit_phong_normals(field, NULL, found, 1, points[0]), CW_OK);
-}
-static void heading(const void *what) {
-    (void)what;
-    cw_heading *h;
-    check_status(cw_heading_create(field, &(cw_heading_desc){.dir = {0.3, 1}}, &h), CW_OK);
-    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 7, SIDE, 100}, numbers), CW_OK);
-    check_status(cw_heading_occluded(h, NULL, 0.1f, (cw_rectangle){0, 7, SIDE, 100}, (uint8_t *)numbers), CW_OK);
-    cw_heading_destroy(h);
-}
-static void coarser(const void *what) {
-    (void)what;
-    for (int32_t filter = CW_FILTER_MEAN; filter <= CW_FILTER_LOWEST; filter++) {
-        cw_field *other;
-        cw_difference difference;
-        check_status(cw_field_coarser(field, NULL, 3, filter, &other, &difference, sizeof difference), CW_OK);
-        cw_field_destroy(other);
-    }
-}
-static void make_terrain(const void *what) {
-    (void)what;
-    static double scale[CW_SCALE_ROWS * CW_SCALE_COLUMNS][2];
-    for (size_t k = 0; k < CW_SCALE_ROWS * CW_SCALE_COLUMNS; k++) scale[k][0] = scale[k][1] = 1;
-    cw_terrain *other;
-    check_status(cw_terrain_create(&(cw_terrain_desc){.field = field, .scale = scale[0]}, NULL, &other), CW_OK);
-    cw_terrain_destroy(other);
-}
-static const cw_area part = {.at = {100, 100, 90, 60}};
-static void shadow(const void *what) {
-    (void)what;
-    check_status(cw_shadow(terrain, NULL, &(cw_light){.azimuth = 200, .altitude = 15}, part, (uint8_t *)numbers),
-                 CW_OK);
-}
-static void sunlight(const void *what) {
-    (void)what;
-    const cw_light sun = {.azimuth = 200, .altitude = 15, .radius = 1, .hillshade = 1};
-    check_status(cw_sunlight(terrain, NULL, &sun, part, numbers), CW_OK);
-}
-static void horizon(const void *what) {
-    (void)what;
-    static double azimuths[3600];
-    const cw_horizon all = {.curvature = 1, .count = 3600}, some = {.count = 12, .flags = CW_HORIZON_TILTED};
-    const cw_horizon below = {.count = 12, .flags = CW_HORIZON_BELOW};
-    static float metres[SIDE * SIDE];
-    check_status(cw_horizon_azimuths(terrain, &all, azimuths), CW_OK);
-    check_status(cw_horizon_angles(terrain, NULL, &all, 5, part, numbers, metres), CW_OK);
-    check_status(cw_sky_view(terrain, NULL, &some, part, numbers), CW_OK);
-    check_status(cw_openness(terrain, NULL, &below, part, numbers), CW_OK);
-}
-static void viewshed(const void *what) {
-    (void)what;
-    const cw_observer from = {.x = 100.5,
-                              .y = 130,
-                              .height = 3,
-                              .target = 1,
-                              .curvature = 1,
-                              .limits = CW_OBSERVER_AZIMUTHS,
-                              .azimuths = {10, 300}};
-    static float needed[SIDE * SIDE];
-    static double sum[SIDE * SIDE];
-    const cw_view view = {.seen = (uint16_t *)numbers, .sum = sum, .needed = needed};
-    memset(numbers, 0, sizeof numbers);
-    check_status(cw_viewshed(terrain, NULL, &from, (cw_area){0}, &view), CW_OK);
-    check_status(cw_viewshed(terrain, NULL, &from, (cw_area){0}, &(cw_view){.angle = numbers}), CW_OK);
-}
-static void lines(const void *what) {
-    (void)what;
-    static cw_sight all[RAYS];
-    static cw_sight_answer answers[RAYS];
-    for (size_t k = 0; k < RAYS; k++)
-        all[k] = (cw_sight){.from = {10, (double)(k % SIDE), 2}, .to = {240, (double)(k * 7 % SIDE), 2}};
-    check_status(cw_lines_of_sight(terrain, NULL, 1, all, RAYS, answers), CW_OK);
-}
-static void visibility(const void *what) {
-    (void)what;
-    const cw_visibility_desc desc = {.directions = 9, .height = 2, .every = 3};
-    static float share[SIDE * SIDE], farthest[SIDE * SIDE], azimuth[SIDE * SIDE];
-    const cw_visibility_answers to = {.area = numbers, .share = share, .farthest = farthest, .azimuth = azimuth};
-    check_status(cw_visibility(terrain, NULL, &desc, part, &to), CW_OK);
-}
-
-static const struct {
-    const char *name;
-    call *make;
-    size_t limit;
-} calls[] = {
-    {"cw_field_create", make_fields, FOR_ALL},
-    {"cw_field_update", update, FOR_ALL},
-    {"cw_field_update waiting", update_waiting, FOR_ALL},
-    {"cw_field_move", move_field, FOR_ALL},
-    {"errors", fail_once, FOR_FEW},
-    {"places, points and normals", places, FOR_ALL},
-    {"one place, point and normal", few_places, FOR_FEW},
-    {"a heading", heading, FOR_ALL},
-    {"cw_field_coarser", coarser, FOR_TERRAIN},
-    {"cw_terrain_create", make_terrain, FOR_TERRAIN},
-    {"cw_shadow", shadow, FOR_TERRAIN},
-    {"cw_sunlight", sunlight, FOR_TERRAIN},
-    {"horizons", horizon, FOR_TERRAIN},
-    {"cw_viewshed", viewshed, FOR_TERRAIN},
-    {"cw_lines_of_sight", lines, FOR_TERRAIN},
-    {"cw_visibility", visibility, FOR_TERRAIN},
-};
 
 static void other_calls_keep_to_it(void **state) {
     (void)state;
-    for (size_t k = 0; k < sizeof calls / sizeof *calls; k++)
-        keeps_to(calls[k].limit, calls[k].name, 0, calls[k].make, NULL);
+    for (size_t k = 0; k < every_calls_count; k++)
+        keeps_to(every_calls[k].stack, every_calls[k].name, 0, make_call, &every_calls[k]);
 }
 
 /* ---- threads of pools -------------------------------------------------------------------------------------------------- */

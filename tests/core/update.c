@@ -9,7 +9,6 @@
 #include "workload/random.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -418,101 +417,6 @@ static void who_comes_second_is_turned_away(void **state) {
     free(p.z);
 }
 
-/* Threads that ask and threads that update as they please: each call does its work or is turned away, and the answers are
- * those of one height or the other. ThreadSanitizer sees no race. */
-enum { ASKING = 3, TURNS = 400 };
-typedef struct crowd {
-    cw_field *field;
-    pthread_t thread;
-    size_t number, done, away, wrong;
-} crowd;
-
-static void *ask_and_ask(void *argument) {
-    crowd *c = argument;
-    const cw_ray down = {.org = {90.5f, 90.25f, 100}, .dir = {0, 0, -1}, .tmax = INFINITY};
-    for (size_t k = 0; k < TURNS; k++) {
-        cw_hit hit;
-        const cw_status status = cw_closest(c->field, NULL, &down, 1, &hit);
-        c->done += status == CW_OK;
-        c->away += status == CW_ERROR_BUSY;
-        c->wrong += status == CW_OK ? hit.t != 99 && hit.t != 98 : status != CW_ERROR_BUSY;
-    }
-    return NULL;
-}
-
-static void *update_and_update(void *argument) {
-    crowd *c = argument;
-    static float z[2][64 * 64];
-    for (size_t k = 0; k < 64 * 64; k++) z[0][k] = 1, z[1][k] = 2;
-    for (size_t k = 0; k < TURNS; k++) {
-        const cw_update u = {.at = {.i = 60, .j = 60, .nx = 64, .ny = 64}, .samples = z[k % 2]};
-        const cw_status status = cw_field_update(c->field, NULL, &u);
-        c->done += status == CW_OK;
-        c->away += status == CW_ERROR_BUSY;
-        c->wrong += status != CW_OK && status != CW_ERROR_BUSY;
-    }
-    return NULL;
-}
-
-static void a_crowd_does_no_harm(void **state) {
-    (void)state;
-    static float z[200 * 200];
-    for (size_t k = 0; k < 200 * 200; k++) z[k] = 1;
-    const cw_field_desc d = {.samples = z, .nx = 200, .ny = 200};
-    crowd c[ASKING + 1] = {{0}};
-    cw_field *f;
-    check_status(cw_field_create(&d, NULL, &f), CW_OK);
-    for (size_t k = 0; k <= ASKING; k++) {
-        c[k] = (crowd){.field = f, .number = k};
-        assert_int_equal(pthread_create(&c[k].thread, NULL, k < ASKING ? ask_and_ask : update_and_update, &c[k]), 0);
-    }
-    for (size_t k = 0; k <= ASKING; k++) {
-        assert_int_equal(pthread_join(c[k].thread, NULL), 0);
-        check(c[k].wrong == 0 && c[k].done + c[k].away == TURNS, "thread %zu: %zu wrong", k, c[k].wrong);
-    }
-    cw_field_destroy(f);
-}
-
-/* Queries of grid3d until its grid is gone. */
-static void *ask_grid3d(void *argument) {
-    crowd *c = argument;
-    const cw_run q = {.expert.kernel = cw_kernel_find("grid3d")};
-    const cw_ray down = {.org = {30.5f, 30.25f, 100}, .dir = {0, 0, -1}, .tmax = INFINITY};
-    for (cw_status status = CW_OK; status != CW_ERROR_NOT_BUILT && c->done + c->away < TURNS;) {
-        cw_hit hit;
-        status = cw_closest(c->field, &q, &down, 1, &hit);
-        c->done += status == CW_OK;
-        c->away += status == CW_ERROR_BUSY;
-        c->wrong += status == CW_OK ? hit.t != 99 : status != CW_ERROR_BUSY && status != CW_ERROR_NOT_BUILT;
-    }
-    return NULL;
-}
-
-static void a_grid_goes_while_it_is_asked(void **state) {
-    (void)state;
-    enum { ROUNDS = 30 };
-    static float z[64 * 64];
-    for (size_t k = 0; k < 64 * 64; k++) z[k] = 1;
-    const cw_field_desc d = {.samples = z, .nx = 64, .ny = 64};
-    cw_field *f;
-    check_status(cw_field_create(&d, NULL, &f), CW_OK);
-    for (size_t round = 0; round < ROUNDS; round++) {
-        crowd c[ASKING] = {{0}};
-        check_status(cw_field_build(f, &(cw_run){.expert.kernel = cw_kernel_find("grid3d")}), CW_OK);
-        for (size_t k = 0; k < ASKING; k++) {
-            c[k] = (crowd){.field = f, .number = k};
-            assert_int_equal(pthread_create(&c[k].thread, NULL, ask_grid3d, &c[k]), 0);
-        }
-        while (cw_field_update(f, NULL, &(cw_update){.at = {.nx = 1, .ny = 1}, .samples = z}) == CW_ERROR_BUSY)
-            continue;
-        for (size_t k = 0; k < ASKING; k++) {
-            assert_int_equal(pthread_join(c[k].thread, NULL), 0);
-            check(c[k].wrong == 0, "thread %zu: %zu wrong", k, c[k].wrong);
-        }
-    }
-    cw_field_destroy(f);
-}
-
 /* ---- watched --------------------------------------------------------------------------------------------------------- */
 
 typedef struct observer {
@@ -589,8 +493,6 @@ int main(void) {
         cmocka_unit_test(what_is_refused_changes_nothing),
         cmocka_unit_test(grid3d_is_dropped),
         cmocka_unit_test(who_comes_second_is_turned_away),
-        cmocka_unit_test(a_crowd_does_no_harm),
-        cmocka_unit_test(a_grid_goes_while_it_is_asked),
         cmocka_unit_test(making_is_watched),
         cmocka_unit_test(refusals_do_not_depend_on_threads),
     };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Updates that wait, beside threads that ask without a pause: none fails or starves, and a query sees all of an update or nothing of it.
- * Where a thread starves the test does not end. One test looks into the field's door to know that a call waits. */
+/* Updates beside threads that ask without a pause: those that wait do not fail or starve, nor do the queries; where none waits, each call
+ * does its work or is turned away. A query sees all of an update or nothing of it, and ThreadSanitizer sees no race. Where a thread starves the test does not end. One test looks into the field's door to know that a call waits. */
 
 #include "check.h"
 #include "field.h"
@@ -20,12 +20,20 @@ static cw_field *field;
 
 typedef struct worker {
     pthread_t thread;
-    atomic_bool *stop;   /* NULL: after TURNS */
-    size_t done, failed; /* calls */
-    size_t torn;         /* queries that saw a part of an update */
+    atomic_bool *stop;         /* NULL: after TURNS */
+    uint32_t wait;             /* updates do */
+    size_t done, away, failed; /* calls; away: turned away, where updates do not wait */
+    size_t torn;               /* queries that saw a part of an update */
 } worker;
 
-static bool goes_on(const worker *w) { return w->stop ? !atomic_load(w->stop) : w->done + w->failed < TURNS; }
+static bool goes_on(const worker *w) { return w->stop ? !atomic_load(w->stop) : w->done + w->away + w->failed < TURNS; }
+
+static bool count(worker *w, cw_status status) {
+    w->done += status == CW_OK;
+    w->away += status == CW_ERROR_BUSY && !w->wait;
+    w->failed += status != CW_OK && (status != CW_ERROR_BUSY || w->wait);
+    return status == CW_OK;
+}
 
 /* Two rays in one call, to places that are always of one height. */
 static void *ask(void *argument) {
@@ -34,12 +42,7 @@ static void *ask(void *argument) {
                             {.org = {66.5f, 61.25f, 10000}, .dir = {0, 0, -1}, .tmax = INFINITY}};
     while (goes_on(w)) {
         cw_hit hits[2];
-        if (cw_closest(field, NULL, rays, 2, hits) != CW_OK) {
-            w->failed++;
-            continue;
-        }
-        w->done++;
-        w->torn += hits[0].t != hits[1].t;
+        if (count(w, cw_closest(field, NULL, rays, 2, hits))) w->torn += hits[0].t != hits[1].t;
     }
     return NULL;
 }
@@ -49,24 +52,21 @@ static void *update(void *argument) {
     static _Thread_local float z[SIDE * SIDE];
     while (goes_on(w)) {
         for (size_t k = 0; k < SIDE * SIDE; k++) z[k] = (float)((w->done & 31) + 1);
-        const cw_update u = {.at = {0, 0, SIDE, SIDE}, .samples = z, .wait = 1};
-        if (cw_field_update(field, NULL, &u) == CW_OK)
-            w->done++;
-        else
-            w->failed++;
+        const cw_update u = {.at = {0, 0, SIDE, SIDE}, .samples = z, .wait = w->wait};
+        count(w, cw_field_update(field, NULL, &u));
     }
     return NULL;
 }
 
 /* Those who ask, or those who update, have TURNS; the others go on until they have had them. */
-static void run(bool asking_is_counted) {
-    const cw_field_desc desc = {.samples = heights, .nx = SIDE, .ny = SIDE};
-    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
+static void run(bool asking_is_counted, uint32_t wait) {
+    field = field_of(heights, SIDE, SIDE);
     atomic_bool stop;
     atomic_init(&stop, false);
     worker w[ASKING + UPDATING] = {{0}};
     for (int k = 0; k < ASKING + UPDATING; k++) {
         w[k].stop = (k < ASKING) == asking_is_counted ? NULL : &stop;
+        w[k].wait = wait;
         assert_int_equal(pthread_create(&w[k].thread, NULL, k < ASKING ? ask : update, &w[k]), 0);
     }
     for (int k = 0; k < ASKING + UPDATING; k++)
@@ -77,19 +77,58 @@ static void run(bool asking_is_counted) {
     for (int k = 0; k < ASKING + UPDATING; k++) {
         check(w[k].failed == 0, "thread %d: %zu of %zu calls failed", k, w[k].failed, w[k].failed + w[k].done);
         check(w[k].torn == 0, "thread %d saw %zu parts of updates", k, w[k].torn);
-        check(w[k].stop != NULL || w[k].done == TURNS, "thread %d: %zu turns", k, w[k].done);
+        check(w[k].stop != NULL || w[k].done + w[k].away == TURNS, "thread %d: %zu turns", k, w[k].done);
     }
     cw_field_destroy(field);
 }
 
 static void updates_do_not_starve(void **state) {
     (void)state;
-    run(false);
+    run(false, 1);
 }
 
 static void queries_do_not_starve(void **state) {
     (void)state;
-    run(true);
+    run(true, 1);
+}
+
+static void those_who_do_not_wait_do_no_harm(void **state) {
+    (void)state;
+    run(true, 0);
+    run(false, 0);
+}
+
+/* Queries of grid3d until its grid is gone. */
+static void *ask_grid3d(void *argument) {
+    worker *w = argument;
+    const cw_run q = {.expert.kernel = cw_kernel_find("grid3d")};
+    const cw_ray down = {.org = {30.5f, 30.25f, 100}, .dir = {0, 0, -1}, .tmax = INFINITY};
+    while (w->done + w->away + w->failed < 4 * TURNS) {
+        cw_hit hit;
+        const cw_status status = cw_closest(field, &q, &down, 1, &hit);
+        if (status == CW_ERROR_NOT_BUILT) break;
+        if (count(w, status)) w->torn += hit.t != 99;
+    }
+    return NULL;
+}
+
+static void a_grid_goes_while_it_is_asked(void **state) {
+    (void)state;
+    enum { ROUNDS = 30 };
+    field = field_of(heights, SIDE, SIDE);
+    for (size_t round = 0; round < ROUNDS; round++) {
+        worker w[ASKING] = {{0}};
+        check_status(cw_field_build(field, &(cw_run){.expert.kernel = cw_kernel_find("grid3d")}), CW_OK);
+        for (size_t k = 0; k < ASKING; k++) assert_int_equal(pthread_create(&w[k].thread, NULL, ask_grid3d, &w[k]), 0);
+        while (cw_field_update(field, NULL, &(cw_update){.at = {.nx = 1, .ny = 1}, .samples = heights}) ==
+               CW_ERROR_BUSY)
+            continue;
+        for (size_t k = 0; k < ASKING; k++) {
+            assert_int_equal(pthread_join(w[k].thread, NULL), 0);
+            check(w[k].failed + w[k].torn == 0, "thread %zu: %zu wrong", k, w[k].failed + w[k].torn);
+        }
+    }
+    cw_field_destroy(field);
 }
 
 /* ---- one of each, hand in hand ----------------------------------------------------------------------------------- */
@@ -158,21 +197,20 @@ static bool a_child_has(cw_status expected) {
 /* The update waits for the query inside, the newcomer for the update. */
 static void newcomers_wait(void **state) {
     (void)state;
-    const cw_field_desc desc = {.samples = heights, .nx = SIDE, .ny = SIDE};
-    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
+    field = field_of(heights, SIDE, SIDE);
     held h;
     atomic_init(&h.inside, false);
     atomic_init(&h.released, false);
     call first = {.run = {.watch = hold, .watch_context = &h}}, update_call = {0}, newcomer = {0};
     assert_int_equal(pthread_create(&first.thread, NULL, closest, &first), 0);
     while (!atomic_load(&h.inside)) sched_yield();
-    check_status(cw_field_move(field, desc.map, 0), CW_ERROR_BUSY);
+    check_status(cw_field_move(field, (const double[3][4]){{0}}, 0), CW_ERROR_BUSY);
     assert_int_equal(pthread_create(&update_call.thread, NULL, raise_all, &update_call), 0);
     while (atomic_load(&field->door.state) == DOOR_OPEN && !atomic_load(&update_call.ended)) sched_yield();
     assert_int_equal(pthread_create(&newcomer.thread, NULL, closest, &newcomer), 0);
     while (queries_that_wait() == 0 && !atomic_load(&newcomer.ended)) sched_yield();
     const bool both_wait = !atomic_load(&update_call.ended) && !atomic_load(&newcomer.ended);
-    const cw_status other = cw_field_move(field, desc.map, 0);
+    const cw_status other = cw_field_move(field, (const double[3][4]){{0}}, 0);
     const bool child_is_refused = a_child_has(CW_ERROR_BUSY), is_old = cw_field_row(field, 0)[0] == 1;
     atomic_store(&h.released, true);
     pthread_join(first.thread, NULL);
@@ -194,11 +232,7 @@ static void newcomers_wait(void **state) {
 static void fields_move(void **state) {
     (void)state;
     static const double far_off[3][4] = {{2, 0, 0, 5e6}, {0, 3, 0, -4e6}, {0, 0, 0.5, 100}}, flat[3][4] = {{1}};
-    cw_field_desc desc = {.samples = heights, .nx = SIDE, .ny = SIDE};
-    cw_field *moved, *made;
-    check_status(cw_field_create(&desc, NULL, &moved), CW_OK);
-    memcpy(desc.map, far_off, sizeof desc.map);
-    check_status(cw_field_create(&desc, NULL, &made), CW_OK);
+    cw_field *moved = field_of(heights, SIDE, SIDE), *made = field_mapped(heights, SIDE, SIDE, far_off);
     check_status(cw_field_move(moved, far_off, 1), CW_OK);
     check_status(cw_field_move(moved, flat, 0), CW_ERROR_ARGUMENT);
     check_status(cw_field_move(moved, far_off, 2), CW_ERROR_ARGUMENT);
@@ -228,6 +262,8 @@ int main(void) {
         cmocka_unit_test(newcomers_wait),
         cmocka_unit_test(updates_do_not_starve),
         cmocka_unit_test(queries_do_not_starve),
+        cmocka_unit_test(those_who_do_not_wait_do_no_harm),
+        cmocka_unit_test(a_grid_goes_while_it_is_asked),
         cmocka_unit_test(fields_move),
     };
     return cmocka_run_group_tests(tests, set_up, NULL);

@@ -19,12 +19,7 @@ static cw_hit hits[RAYS];
 static uint8_t occluded[RAYS];
 static double points[RAYS][3];
 
-static cw_field_desc describe(void) {
-    cw_field_desc d = {0};
-    d.samples = samples;
-    d.nx = d.ny = SIDE;
-    return d;
-}
+static const cw_field_desc d = {.samples = samples, .nx = SIDE, .ny = SIDE};
 
 static int set_up(void **state) {
     (void)state;
@@ -41,7 +36,6 @@ typedef cw_status act(const void *context);
 
 static cw_status make_field(const void *context) {
     (void)context;
-    const cw_field_desc d = describe();
     cw_field *field = (cw_field *)samples; /* anything but NULL */
     const cw_status status = cw_field_create(&d, NULL, &field);
     if ((field == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT; /* which is told as another failure */
@@ -52,7 +46,6 @@ static cw_status make_field(const void *context) {
 /* Built anew after a failure, and asked. */
 static cw_status build(const void *context) {
     const cw_kernel *kernel = context;
-    const cw_field_desc d = describe();
     cw_field *field;
     cw_status status = cw_field_create(&d, &(cw_run){.expert.kernel = cw_kernel_find("cell")}, &field);
     if (status != CW_OK) return status;
@@ -135,10 +128,8 @@ static bool go_on(void *context, double done) {
 
 static void queries_ask_for_nothing(void **state) {
     (void)state;
-    const cw_field_desc d = describe();
-    cw_field *field;
+    cw_field *field = field_of(samples, SIDE, SIDE);
     cw_pool *pool;
-    check_status(cw_field_create(&d, NULL, &field), CW_OK);
     check_status(cw_pool_create(2, &pool), CW_OK);
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
