@@ -4,6 +4,7 @@
 
 #include "cellwalk_expert.h"
 #include "check.h"
+#include "columns.h"
 #include "fields.h"
 #include "workload/random.h"
 
@@ -50,8 +51,10 @@ static double brute(const test_field *f, size_t i, size_t j, const double dir[2]
     const double start[3] = {(double)i, (double)j, (double)f->z[j * f->nx + i]};
     double steepest = -INFINITY;
     *allowed = 0;
-    for (size_t y = 0; y < f->ny; y++)
-        for (size_t x = 0; x < f->nx; x++) {
+    for (size_t y = 0; y < f->ny; y++) {
+        size_t x = 0, until = f->nx;
+        columns_near_line(start, dir, y, &x, &until);
+        for (; x < until; x++) {
             const double a[3] = {(double)x, (double)y, (double)f->z[y * f->nx + x]};
             see_sample(start, dir, a, &steepest, allowed);
             for (int k = 0; k < 3; k++) {
@@ -61,6 +64,7 @@ static double brute(const test_field *f, size_t i, size_t j, const double dir[2]
                          allowed);
             }
         }
+    }
     return steepest;
 }
 

@@ -3,6 +3,7 @@
 #ifndef CELLWALK_TESTS_TERRAIN_BRUTE_SIGHT_H
 #define CELLWALK_TESTS_TERRAIN_BRUTE_SIGHT_H
 
+#include "columns.h"
 #include "sight.h"
 
 #include <math.h>
@@ -40,15 +41,19 @@ static inline void brute_edge(brute_way *w, size_t i, size_t j, size_t di, size_
     brute_see(w, brute_share(w, x + f * (double)di, y + f * (double)dj), height + f * (other - height));
 }
 
-/* The steepest rise on the way from the eye to (i, j), both ends left out, by looking at every edge. */
+/* The steepest rise on the way from the eye to (i, j), both ends left out, by looking at every edge of the columns near the line. */
 static inline double brute_steepest(const sight *s, double i, double j) {
     brute_way w = {s, {i, j}, -INFINITY};
-    for (size_t y = 0; y < s->terrain->ny; y++)
-        for (size_t x = 0; x < s->terrain->nx; x++) {
+    const double line[2] = {i - s->eye[0], j - s->eye[1]};
+    for (size_t y = 0; y < s->terrain->ny; y++) {
+        size_t x = 0, until = s->terrain->nx;
+        columns_near_line(s->eye, line, y, &x, &until);
+        for (; x < until; x++) {
             brute_edge(&w, x, y, 1, 0);
             brute_edge(&w, x, y, 0, 1);
             brute_edge(&w, x, y, 1, 1);
         }
+    }
     return w.steepest;
 }
 

@@ -259,7 +259,7 @@ static void lines_decide(void **state) {
     (void)state;
     enum { NX = 330, NY = 250, PLACES = 5 };
     static const double eyes[PLACES] = {50, 60, 70, 80, -3}, targets[PLACES] = {0, 0, 3, -1, 0};
-    const size_t one_in = 3 * test_divisor();
+    const size_t one_in = 12 * test_divisor();
     random_state r = {31};
     for (roughness rough = 0; rough < ROUGHNESSES; rough++) {
         ground g;
@@ -311,7 +311,7 @@ static void make_steps(ground *g, size_t nx, size_t ny, double high, random_stat
 static void needs_are_those_of_lines(void **state) {
     (void)state;
     enum { NX = 330, NY = 250 };
-    const size_t rounds = 24 / test_step(8) + 1, one_in = test_divisor();
+    const size_t rounds = 24 / test_step(8) + 1, one_in = 7 * test_divisor();
     random_state r = {5};
     size_t large = 0;
     for (size_t round = 0; round < rounds; round++) {

@@ -2,6 +2,7 @@
 /* Viewsheds and lines of sight where the line touches the surface, or passes it by less than doubles can tell, against rational
  * arithmetic over all edges. */
 
+#include "columns.h"
 #include "ground.h"
 #include "viewshed.h"
 #include "workload/random.h"
@@ -17,8 +18,8 @@ typedef struct judge {
     mpq_t x, y, top;              /* the target */
     mpq_t ax, ay, az, bx, by, bz; /* samples */
     mpq_t side, other, a, b, c, d;
-    double place[2];
-    int highest; /* 1: something is above the line, 0: something touches it, -1: neither */
+    double place[2], rise; /* of the target, and how high it is over the eye */
+    int highest;           /* 1: something is above the line, 0: something touches it, -1: neither */
 } judge;
 
 static void judge_each(judge *q, void (*each)(mpq_t)) {
@@ -74,6 +75,17 @@ static void judge_edge(judge *q, size_t i, size_t j, size_t di, size_t dj) {
     const double x = q->place[0] - e[0], y = q->place[1] - e[1];
     const double one = x * ((double)j - e[1]) - y * ((double)i - e[0]), two = one + x * (double)dj - y * (double)di;
     if ((one > 1e-3 && two > 1e-3) || (one < -1e-3 && two < -1e-3)) return;
+    if (fabs(one) > 1e-3 &&
+        fabs(two) > 1e-3) { /* heights are below 10^4: what is that far off the line is so for doubles too */
+        const double f = one / (one - two), a = (double)i + f * (double)di - e[0],
+                     b = (double)j + f * (double)dj - e[1];
+        const double low = cw_sight_sample(q->sight, i, j), high = cw_sight_sample(q->sight, i + di, j + dj);
+        const double way = (a * x + b * y) / (x * x + y * y), off = low + f * (high - low) - way * q->rise;
+        if (way > 1e-3 && way < 1 - 1e-3 && fabs(off) > 1e-3) {
+            note(q, off > 0 ? 1 : -1);
+            return;
+        }
+    }
     set_sample(q, i, j, q->ax, q->ay, q->az);
     set_sample(q, i + di, j + dj, q->bx, q->by, q->bz);
     cross(q, q->side, q->x, q->y, q->ax, q->ay);
@@ -118,13 +130,18 @@ static int judge_line(const sight *s, double i, double j, double z, double above
     mpq_add(q.top, q.top, q.c);
     mpq_set_d(q.c, cw_sight_fall(s, i, j));
     mpq_sub(q.top, q.top, q.c);
-    for (size_t y = 0; y < s->terrain->ny; y++)
-        for (size_t x = 0; x < s->terrain->nx; x++) {
+    q.rise = mpq_get_d(q.top);
+    const double line[2] = {i - s->eye[0], j - s->eye[1]};
+    for (size_t y = 0; y < s->terrain->ny && q.highest < 1; y++) {
+        size_t x = 0, until = s->terrain->nx;
+        columns_near_line(s->eye, line, y, &x, &until);
+        for (; x < until; x++) {
             judge_sample(&q, x, y);
             judge_edge(&q, x, y, 1, 0);
             judge_edge(&q, x, y, 0, 1);
             judge_edge(&q, x, y, 1, 1);
         }
+    }
     judge_each(&q, each_clear);
     return q.highest;
 }

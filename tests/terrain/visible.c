@@ -6,6 +6,7 @@
 
 #include "cellwalk_expert.h"
 #include "check.h"
+#include "columns.h"
 #include "fields.h"
 #include "workload/random.h"
 
@@ -28,7 +29,7 @@ typedef struct crossing {
 typedef struct profile {
     const test_field *field;
     const looking *how;
-    double start[3]; /* the eye */
+    double start[3], on_line; /* the eye; what beside() takes for 0 */
     size_t count;
     crossing crossing[4096];
 } profile;
@@ -51,7 +52,7 @@ static void add_place(profile *p, double t, double rise, double most) {
 /* How far beside the ray a sample is, times the direction's length. */
 static double beside(const profile *p, double x, double y) {
     const double *dir = p->how->dir, side = dir[0] * (y - p->start[1]) - dir[1] * (x - p->start[0]);
-    return fabs(side) < 1e-11 * hypot(dir[0], dir[1]) ? 0 : side;
+    return fabs(side) < p->on_line ? 0 : side;
 }
 
 static double along(const profile *p, double x, double y) {
@@ -70,24 +71,16 @@ static void cross_edge(profile *p, size_t x, size_t y, size_t u, size_t v) {
               fmax(fabs(rise_a), fabs(rise_b)));
 }
 
-/* The columns of row y that are within two cells of the line, or all. */
-static void columns_beside(const profile *p, size_t y, size_t *from, size_t *until) {
-    const double *dir = p->how->dir, room = 2 + 2 * fabs(dir[0] / dir[1]);
-    if (!(room < 1e6)) return;
-    const double x = p->start[0] + dir[0] / dir[1] * ((double)y - p->start[1]);
-    *from = (size_t)fmin(fmax(x - room, 0), (double)*until);
-    *until = (size_t)fmin(fmax(x + room + 1, 0), (double)*until);
-}
-
 static void make_profile(profile *p, size_t i, size_t j) {
     const test_field *f = p->field;
     p->start[0] = (double)i;
     p->start[1] = (double)j;
     p->start[2] = (double)(f->z[j * f->nx + i] + p->how->eye);
+    p->on_line = 1e-11 * hypot(p->how->dir[0], p->how->dir[1]);
     p->count = 0;
     for (size_t y = 0; y < f->ny; y++) {
         size_t from = 0, until = f->nx;
-        columns_beside(p, y, &from, &until);
+        columns_near_line(p->start, p->how->dir, y, &from, &until);
         for (size_t x = from; x < until; x++) {
             const double rise = height(p, x, y) - p->start[2];
             if (beside(p, (double)x, (double)y) == 0) add_place(p, along(p, (double)x, (double)y), rise, fabs(rise));
