@@ -20,13 +20,13 @@ def share(examples):
 
 
 def pytest_collection_modifyitems(items):
-    """Words of the program are tried on the plain ground and on every second of the others, by turns: it is GDAL's start that takes time. Of
+    """Words of the program are tried on the plain ground and on one of the others, by turns: it is GDAL's start that takes time. Of
     a test's cases one in four or less is taken where all have run elsewhere, as test_takes of ../support/check.h says."""
     tests, lines = {}, {}
     for item in items:
         words, ground = (getattr(item, "callspec", None) and item.callspec.params.get(name) for name in ("words", "ground"))
         if words and ground and ground != GROUNDS[0]:
-            if (lines.setdefault(words, len(lines)) + GROUNDS.index(ground)) % 2:
+            if (lines.setdefault(words, len(lines)) + GROUNDS.index(ground)) % (len(GROUNDS) - 1):
                 continue
         tests.setdefault(item.nodeid.split("[")[0], []).append(item)
     items[:] = [item for number, cases in enumerate(tests.values()) for k, item in enumerate(cases)
