@@ -21,10 +21,6 @@ typedef struct builder {
     bool failed;
 } builder;
 
-static bool has(const char *field, const char *item) {
-    return strcmp(field, "scenes") != 0 && strcmp(item, "build") == 0;
-}
-
 static bool open_build(workload *w, io_error *error) {
     w->own = land_of(w->field, w->options, w->why, error);
     if (w->own == NULL) return w->why[0] != '\0';
@@ -86,10 +82,11 @@ static void leave(entrant *e) {
     free(b);
 }
 
-static void close_build(workload *w) { (void)w; }
-
-const workload_kind measure_build = {"FIELD/build", "the structures of a field; bytes hold the samples too",
-                                     "cells",       has,
-                                     open_build,    enter,
-                                     judge,         leave,
-                                     close_build};
+const workload_kind measure_build = {.form = "FIELD/build",
+                                     .what = "the structures of a field; bytes hold the samples too",
+                                     .unit = "cells",
+                                     .item = "build",
+                                     .open = open_build,
+                                     .enter = enter,
+                                     .judge = judge,
+                                     .leave = leave};

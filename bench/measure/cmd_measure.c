@@ -39,8 +39,11 @@ static bool name_workload(workload *w, const char *name, io_error *error) {
     snprintf(w->name, sizeof w->name, "%s", name);
     snprintf(w->field, sizeof w->field, "%.*s", (int)(slash - name), name);
     snprintf(w->item, sizeof w->item, "%s", slash + 1);
-    for (size_t k = 0; measure_kind(k); k++)
-        if (measure_kind(k)->has(w->field, w->item)) w->kind = measure_kind(k);
+    const bool of_field = strcmp(w->field, "scenes") != 0;
+    for (size_t k = 0; measure_kind(k); k++) {
+        const workload_kind *kind = measure_kind(k);
+        if (kind->item ? of_field && strcmp(kind->item, w->item) == 0 : kind->has(w->field, w->item)) w->kind = kind;
+    }
     return w->kind || io_fail(error, "%s: there is no such work; cellwalk-bench measure --help lists all", name);
 }
 
@@ -49,7 +52,7 @@ static void leave_all(workload *w) {
         if (e->own) w->kind->leave(e);
         json_decref(e->line);
     }
-    if (w->own) w->kind->close(w);
+    if (w->own && w->kind->close) w->kind->close(w);
     free(w->entrants);
 }
 
@@ -121,30 +124,27 @@ static bool is_wide(const json_t *line) {
     return json_is_true(json_object_get(line, "best_of_group")) && json_is_false(json_object_get(line, "converged"));
 }
 
-/* Copies what an earlier run found of a line, if each of its times has converged; false if there is none. */
+static bool is_of(const json_t *old, const plan_line *line, const char *group, cw_isa isa) {
+    return strcmp(results_text(old, "workload"), line->workload) == 0 &&
+           strcmp(results_text(old, "group"), group) == 0 && strcmp(results_text(old, "isa"), cw_isa_name(isa)) == 0 &&
+           (size_t)results_number(old, "line") == line->number;
+}
+
+/* Copies what an earlier run found of a line, if all of it is there and each of its times has converged; else false. */
 static bool take_over(const json_t *earlier, const plan_line *line, cw_isa isa, json_t *results) {
     json_t *found = json_array(), *old;
-    size_t index, k = 0;
     bool good = true;
-    json_array_foreach((json_t *)earlier, index, old) {
-        if (strcmp(results_text(old, "workload"), line->workload) != 0 ||
-            (size_t)results_number(old, "line") != line->number ||
-            strcmp(results_text(old, "isa"), cw_isa_name(isa)) != 0)
-            continue;
-        const char *group = results_text(old, "group");
-        bool asked = false;
-        for (size_t c = 0; c < line->count; c++) asked = asked || strcmp(group, line->contenders[c]) == 0;
-        if (!asked) continue;
-        good = good && !is_wide(old) &&
-               ((line->metrics & METRIC_TIME) == 0 || json_object_get(old, "converged") ||
-                json_object_get(old, "left_out"));
-        results_append(found, json_incref(old));
-    }
-    for (; good && k < line->count; k++) {
-        bool there = false;
-        json_array_foreach(found, index, old) there =
-            there || strcmp(results_text(old, "group"), line->contenders[k]) == 0;
-        good = there;
+    for (size_t k = 0; good && k < line->count; k++) {
+        const size_t before = json_array_size(found);
+        size_t index;
+        json_array_foreach((json_t *)earlier, index, old) {
+            if (!is_of(old, line, line->contenders[k], isa)) continue;
+            good = good && !is_wide(old) &&
+                   ((line->metrics & METRIC_TIME) == 0 || json_object_get(old, "converged") ||
+                    json_object_get(old, "left_out"));
+            results_append(found, json_incref(old));
+        }
+        good = good && json_array_size(found) > before;
     }
     if (good) json_array_extend(results, found);
     json_decref(found);
@@ -247,20 +247,16 @@ static int measure(const char *as, const char *name, measure_options *o, const c
     io_output out = {0}, text = {0};
     io_error error = {{0}};
     json_t *results = json_array();
-    char *markdown = NULL;
-    size_t size = 0;
     if (!run_options_check(&o->run, as)) return EXIT_USAGE;
     bool good = o->out == NULL || o->resume || io_output_open(&out, o->out, &error);
     if (folder) good = open_in(&text, folder, "table.md", &error) && open_in(&out, folder, "table.jsonl", &error);
     good = good && run_plan(name, o, results, &error);
     good = good && (o->resume ? save(o->out, results, &error) : results_write_all(&out, results, &error));
     if (good && folder) {
-        FILE *stream = open_memstream(&markdown, &size);
-        if (stream == NULL) memory_end();
-        print_scenes(stream, results);
-        if (fclose(stream) != 0) memory_end();
-        printf("\n%s", markdown);
-        good = io_output_write(&text, markdown, size, &error) && io_output_commit(&text, &error);
+        printf("\n");
+        print_scenes(stdout, results);
+        print_scenes(text.file, results);
+        good = io_output_commit(&text, &error);
     }
     good = good && (out.file == NULL || io_output_commit(&out, &error));
     /* The scenes' table is the work itself, and says which of its figures have not converged. */
@@ -268,7 +264,6 @@ static int measure(const char *as, const char *name, measure_options *o, const c
     io_output_discard(&out);
     io_output_discard(&text);
     json_decref(results);
-    free(markdown);
     if (!good) return command_fail(as, "%s", error.text);
     return wide ? EXIT_FAILURE : EXIT_SUCCESS;
 }
@@ -317,15 +312,15 @@ static int start_measure(int argc, char **argv) {
          .to = &o.field},
         {"cellsize", "SIZE", "cell size of a raster that does not say, in its unit of heights", OPTION_REAL,
          .to = &o.cell_size, .low = 1e-9, .high = 1e9},
-        {"seconds", "S", "seconds for all timing together (10 a line of the plan)", OPTION_REAL, .to = &o.seconds,
-         .low = 0.01, .high = 1e6},
-        {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (0.04)", OPTION_REAL,
-         .to = &o.width, .low = 1e-6, .high = 10},
         {"count", "N", "rays of a pass (65536)", OPTION_COUNT, .to = &o.count, .low = 16, .high = 1 << 24},
         {"pass", "S", "contenders that need longer for a pass are left out, and listed (5)", OPTION_REAL, .to = &o.pass,
          .low = 1e-3, .high = 1e6},
         {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program",
          OPTION_TEXT, .to = &o.scenes},
+        {"seconds", "S", "seconds for all timing together (10 a line of the plan)", OPTION_REAL, .to = &o.seconds,
+         .low = 0.01, .high = 1e6},
+        {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (0.04)", OPTION_REAL,
+         .to = &o.width, .low = 1e-6, .high = 10},
         RUN_OPTIONS(o.run),
     };
     static const char *const names[] = {"PLAN"};
@@ -349,13 +344,13 @@ static int start_table(int argc, char **argv) {
     const option_spec options[] = {
         {"out", "FOLDER", "folder for table.md and table.jsonl, made if missing (out/table)", OPTION_TEXT,
          .to = &folder},
+        {"quick", NULL, "the smallest scene alone: a first look", OPTION_FLAG, .to = &quick},
         {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program",
          OPTION_TEXT, .to = &o.scenes},
         {"seconds", "S", "seconds for all timing together (120)", OPTION_REAL, .to = &o.seconds, .low = 0.01,
          .high = 1e6},
         {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (0.1)", OPTION_REAL,
          .to = &o.width, .low = 1e-6, .high = 10},
-        {"quick", NULL, "the smallest scene alone: a first look", OPTION_FLAG, .to = &quick},
         RUN_OPTIONS(o.run),
     };
     const options_usage usage = {

@@ -39,6 +39,7 @@ typedef struct entrant {
 typedef struct workload workload;
 typedef struct workload_kind {
     const char *form, *what, *unit; /* for the help: "FIELD/primary", …; what a pass counts: "rays" */
+    const char *item;               /* that of the only work of the kind on fields; NULL: as has says */
     bool (*has)(const char *field, const char *item);
     /* own and items. Where memory is missing for it, why is set. */
     bool (*open)(workload *w, io_error *error);
@@ -47,7 +48,7 @@ typedef struct workload_kind {
     /* Lets the entrant work once and adds what was found to its line. */
     bool (*judge)(workload *w, entrant *e, unsigned metrics, io_error *error);
     void (*leave)(entrant *e);
-    void (*close)(workload *w);
+    void (*close)(workload *w); /* NULL: nothing is left to do */
 } workload_kind;
 
 struct workload {

@@ -171,6 +171,7 @@ const workload_kind measure_rays = {"FIELD/CLASS",
                                     "rays on a field: primary, shadow, ao, bounce, random, grazing, afar; beside, "
                                     "vertices, edges, within-0.1, within-2",
                                     "rays",
+                                    NULL,
                                     has,
                                     open_group,
                                     enter,

@@ -78,32 +78,31 @@ static void any(void *context, size_t field, const cw_ray *rays, size_t n, uint8
     c->any(c, rays, n, occluded);
 }
 
-/* The reference answers, so that all are asked the same; every width is asked too. */
-static void compare_closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
-    player *p = context;
+/* The reference answers, so that all are asked the same; every width is asked too. hits or occluded is NULL. */
+static void compare(player *p, size_t field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     cw_hit own[SCENE_BATCH];
+    uint8_t own_any[SCENE_BATCH];
     const contender *reference = &p->on->reference[field];
-    reference->closest(reference, rays, n, hits);
+    const cw_field *on = p->on->lands[field].field;
+    contender_run(&(contender_pass){reference, rays, n, occluded != NULL, {hits, occluded}});
     for (p->width = 0; p->width < p->widths; p->width++) {
+        const contender *c = &p->by[field][p->width].contender;
         const double start = clock_cpu_seconds();
-        closest(p, field, rays, n, own);
+        contender_run(&(contender_pass){c, rays, n, occluded != NULL, {own, own_any}});
         p->spent[p->width] += clock_cpu_seconds() - start;
-        agree_closest(&p->agreement, p->on->lands[field].field, rays, n, hits, own);
+        if (occluded)
+            agree_any(&p->agreement, on, rays, n, occluded, own_any, reference, c);
+        else
+            agree_closest(&p->agreement, on, rays, n, hits, own);
     }
 }
 
+static void compare_closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    compare(context, field, rays, n, hits, NULL);
+}
+
 static void compare_any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    player *p = context;
-    uint8_t own[SCENE_BATCH];
-    const contender *reference = &p->on->reference[field];
-    reference->any(reference, rays, n, occluded);
-    for (p->width = 0; p->width < p->widths; p->width++) {
-        const double start = clock_cpu_seconds();
-        any(p, field, rays, n, own);
-        p->spent[p->width] += clock_cpu_seconds() - start;
-        agree_any(&p->agreement, p->on->lands[field].field, rays, n, occluded, own, reference,
-                  &p->by[field][p->width].contender);
-    }
+    compare(context, field, rays, n, NULL, occluded);
 }
 
 static bool render(player *p, bool compare, io_image *image, io_error *error) {
@@ -202,7 +201,7 @@ static void close_stage(workload *w) {
 
 const workload_kind measure_scene = {
     "scenes/NAME", "one of the six scenes, rendered: hftest, landsea-0, landsea-1, landsea-2, texture, landsea-big",
-    "pixels",      has,
-    open_stage,    enter,
-    judge,         leave,
-    close_stage};
+    "pixels",      NULL,
+    has,           open_stage,
+    enter,         judge,
+    leave,         close_stage};

@@ -114,13 +114,6 @@ static void release(choice *c) {
 
 /* ---- the kinds ---- */
 
-static bool has_horizon(const char *field, const char *item) {
-    return strcmp(field, "scenes") != 0 && strcmp(item, "horizon") == 0;
-}
-static bool has_sky(const char *field, const char *item) {
-    return strcmp(field, "scenes") != 0 && strcmp(item, "sky") == 0;
-}
-
 static bool open_choices(workload *w, io_error *error) {
     choices *all = w->own = memory(1, sizeof *all);
     all->land = land_of(w->field, w->options, w->why, error);
@@ -163,8 +156,10 @@ static void close_choices(workload *w) {
 }
 
 const workload_kind measure_horizon = {
-    "FIELD/horizon", "horizons in eight directions", "places", has_horizon, open_choices, enter, judge, leave,
+    "FIELD/horizon", "horizons in eight directions", "places", "horizon", NULL, open_choices, enter, judge, leave,
     close_choices};
-const workload_kind measure_sky = {
-    "FIELD/sky",  "the sky-view factor, against 256 directions", "places", has_sky, open_choices, enter, judge, leave,
-    close_choices};
+const workload_kind measure_sky = {"FIELD/sky", "the sky-view factor, against 256 directions",
+                                   "places",    "sky",
+                                   NULL,        open_choices,
+                                   enter,       judge,
+                                   leave,       close_choices};
