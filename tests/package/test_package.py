@@ -234,24 +234,53 @@ def test_symbols():
     assert (culls or not simd) and (avx or not simd or os.environ["X86_64"] in ("", "0", "FALSE", "OFF"))
 
 
-def test_install(tmp_path):
-    """Installs the build into a fresh tree, moves the tree, and builds and runs the consumer against it, once through the CMake package and once
-    through pkg-config, linked as it comes and statically."""
-    compiler, consumer = os.environ["CC"], SOURCE / "tests/package/installed"
-    tree, work = tmp_path / "tree", tmp_path / "build"
+def check_installed(tmp_path, sources, package):
+    """Installs the build into a fresh tree, moves the tree, and builds and runs the programs of a folder against it: once through the CMake package and
+    once through pkg-config, linked as it comes and statically."""
+    compilers = {".c": (os.environ["CC"], "-std=c17"), ".cpp": (os.environ.get("CXX"), "-std=c++17")}
+    programs = [file for file in sorted(sources.iterdir()) if file.suffix in compilers]
+    if any(not compilers[file.suffix][0] for file in programs):
+        pytest.skip("no C++ compiler")
+    work = tmp_path / "build"
     run(CMAKE, "--install", os.environ["BUILD"], "--prefix", tmp_path / "first")
-    (tmp_path / "first").rename(tree)  # nothing may know where it was installed to
-    configure(consumer, work, f"-DCMAKE_PREFIX_PATH={tree}", f"-DCMAKE_C_COMPILER={compiler}", f"-DCMAKE_BUILD_TYPE={os.environ['CONFIG']}")
+    tree = (tmp_path / "first").rename(tmp_path / "tree")  # nothing may know where it was installed to
+    configure(sources, work, f"-DCMAKE_PREFIX_PATH={tree}", f"-DCMAKE_BUILD_TYPE={os.environ['CONFIG']}",
+              *(f"-DCMAKE_{language}_COMPILER={compiler}" for language, (compiler, _) in zip(("C", "CXX"), compilers.values()) if compiler))
     build(work)
-    for program in "consumer", "consumer_static":
-        run(work / program)
+    for program in programs:
+        for kind in "", "_static":
+            run(work / f"{program.stem}{kind}")
     if not shutil.which("pkg-config"):
         pytest.skip("without pkg-config (Debian: pkg-config) its file is not tested")
-    pc, *_ = tree.rglob("cellwalk.pc")
+    pc, *_ = tree.rglob(f"{package}.pc")
     for kind, flag, link in ("shared", [], []), ("static", ["--static"], ["-static"]):
-        flags = run("pkg-config", "--cflags", "--libs", *flag, "cellwalk", PKG_CONFIG_PATH=str(pc.parent)).split()
-        run(compiler, "-std=c17", *link, consumer / "consumer.c", "-o", tmp_path / kind, *flags)
-        run(tmp_path / kind, LD_LIBRARY_PATH=str(pc.parent.parent))
+        flags = run("pkg-config", "--cflags", "--libs", *flag, package, PKG_CONFIG_PATH=str(pc.parent)).split()
+        for program in programs:
+            made = tmp_path / f"{program.stem}-{kind}"
+            run(*compilers[program.suffix], *link, program, "-o", made, *flags)
+            run(made, LD_LIBRARY_PATH=str(pc.parent.parent))
+
+
+def test_install(tmp_path):
+    check_installed(tmp_path, SOURCE / "tests/package/installed", "cellwalk")
+
+
+def test_terrain_users(tmp_path):
+    check_installed(tmp_path, SOURCE / "tests/package/terrain", "cellwalk_terrain")
+
+
+def test_cplusplus(tmp_path):
+    """The public headers compile as C99 to C2x and C++98 to C++23 without a warning, with every layout that abi.c names, also where enumerations are
+    short; consumer.cpp as C++14 and later."""
+    folder, plain = SOURCE / "tests/package", ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow"]
+    c, cxx = (names.split(",") for names in given("C_COMPILERS", "COMPILERS"))
+    cases = [(compiler, standard, *more, folder / "abi.c") for compiler in c for standard in ("c99", "c11", "c17", "c2x") for more in ((), ("-fshort-enums",))]
+    cases += [(compiler, standard, "-x", "c++", folder / "abi.c") for compiler in cxx for standard in ("c++98", "c++11", "c++14", "c++17", "c++20", "c++2b")]
+    cases += [(compiler, standard, "-Wold-style-cast", folder / "consumer.cpp") for compiler in cxx for standard in ("c++14", "c++17", "c++20")]
+    assert len(cases) >= 17
+    for compiler, standard, *words in cases:
+        strict = ["-Weverything", "-Wno-padded"] if "clang" in compiler and words[-1].name == "abi.c" else plain
+        run(compiler, f"-std={standard}", *strict, "-Werror", f"-I{SOURCE}/include", "-c", *words, "-o", tmp_path / "object.o")
 
 
 def test_install_after_table():
