@@ -79,7 +79,7 @@ def test_little_memory(inputs):
         # Threads that are asked for by name end in GDAL where address space is short, or do not end.
         words = tuple("large.tif" if word == "dem.tif" else word for word in words if word != "--co=NUM_THREADS=7")
         wanted = expected(words)
-        for k in (c, 23 - c):  # GDAL itself takes 175 MB
+        for k in (c if c % 2 else 23 - c,):  # GDAL itself takes 175 MB
             ended[ends(words, wanted, k, memory=(168 + 8 * k) << 20)] += 1
     print(f"{ended[0]} runs ended without a result, {ended[1]} with it")
     assert ended[0] > 0
