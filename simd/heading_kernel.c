@@ -48,7 +48,7 @@ static inline reach stretch_reach(const group *g, const cw_stretch *s) {
 /* The highest sample that the group may meet on the stretch, or a higher one nearby; -infinity if there are none. */
 static inline float stretch_high(const group *g, const cw_stretch *s, int level) {
     const cw_field *f = g->heading->field;
-    if (f->pyramid == NULL || level >= f->pyramid->levels) return f->high;
+    if (level >= f->pyramid->levels) return f->high;
     const cw_pyramid_level *l = &f->pyramid->level[level];
     const int shift = 2 * level + 2;
     const int32_t last_i = (int32_t)f->nx - 1, last_j = (int32_t)f->ny - 1;
@@ -77,8 +77,7 @@ static inline float stretch_high(const group *g, const cw_stretch *s, int level)
 static inline bool stretch_is_low(const group *g, const cw_stretch *s, int level) {
     const vfloat high = vf_set(stretch_high(g, s, level)), pad = vf_set(g->pad);
     const vfloat near = vf_set(s->inverse_most), far = vf_set(s->inverse_least);
-    const cw_heading *h = g->heading;
-    const vfloat drop = vf_set(h->drop ? h->stretch_drop[level][s - h->stretch[level]] : 0);
+    const vfloat drop = vf_set(s->drop);
     for (int k = 0; k < GROUP; k += (int)W) {
         /* At the height of the start, as on a lake, rounding puts nothing above it: if a <= b <= z, then b - a,
          * rounded, is at most z - a, rounded, and a fraction of it at most that. */

@@ -98,53 +98,30 @@ static size_t make_crossings(maker *m, bool along_x, size_t cells, cw_stretch *s
 static int32_t least(int32_t a, int32_t b) { return a < b ? a : b; }
 static int32_t most(int32_t a, int32_t b) { return a > b ? a : b; }
 
-/* A stretch without crossings, as the last one may be, lies outside every field; sums with its bounds do not
- * overflow. */
-static void clear_stretch(cw_stretch *s) {
+/* Widens the bounds of a stretch to those of a part of it. */
+static void widen(cw_stretch *s, const cw_stretch *by) {
+    s->inverse_least = lower(by->inverse_least, s->inverse_least);
+    s->inverse_most = higher(by->inverse_most, s->inverse_most);
+    s->drop = lower(by->drop, s->drop);
+    s->i_low = least(s->i_low, by->i_low);
+    s->i_high = most(s->i_high, by->i_high);
+    s->j_low = least(s->j_low, by->j_low);
+    s->j_high = most(s->j_high, by->j_high);
+}
+
+/* Of stretch k of a level, from its crossings or from the stretches below. */
+static void bound_stretch(cw_heading *h, int level, uint32_t k) {
+    cw_stretch *s = &h->stretch[level][k];
+    /* Without crossings, as the last one may be, it lies outside every field; sums with these bounds do not overflow. */
     enum { OUTSIDE = 1 << 30 };
-    s->inverse_least = INFINITY;
-    s->inverse_most = 0;
-    s->i_low = s->j_low = OUTSIDE;
-    s->i_high = s->j_high = -OUTSIDE;
-}
-
-static void bound_crossings(const cw_heading *h, cw_stretch *s) {
-    clear_stretch(s);
-    for (size_t k = s[0].first; k < s[1].first; k++) {
-        const cw_crossing *c = &h->crossing[k];
-        const int32_t i = c->i_kind >> 2;
-        s->inverse_least = lower(c->inverse, s->inverse_least);
-        s->inverse_most = higher(c->inverse, s->inverse_most);
-        s->i_low = least(s->i_low, i);
-        s->i_high = most(s->i_high, i + (c->i_kind & 1));
-        s->j_low = least(s->j_low, c->j);
-        s->j_high = most(s->j_high, c->j + (c->i_kind >> 1 & 1));
+    *s = (cw_stretch){s->first, INFINITY, 0, INFINITY, OUTSIDE, -OUTSIDE, OUTSIDE, -OUTSIDE};
+    for (size_t n = s[0].first; level == 0 && n < s[1].first; n++) {
+        const cw_crossing *c = &h->crossing[n];
+        const int32_t i = c->i_kind >> 2, i_second = i + (c->i_kind & 1), j_second = c->j + (c->i_kind >> 1 & 1);
+        widen(s, &(cw_stretch){0, c->inverse, c->inverse, h->drop ? h->drop[n] : 0, i, i_second, c->j, j_second});
     }
-}
-
-static void bound_stretches(const cw_stretch *from, uint32_t count, cw_stretch *s) {
-    clear_stretch(s);
-    s->first = from->first;
-    for (uint32_t k = 0; k < count; k++) {
-        s->inverse_least = lower(from[k].inverse_least, s->inverse_least);
-        s->inverse_most = higher(from[k].inverse_most, s->inverse_most);
-        s->i_low = least(s->i_low, from[k].i_low);
-        s->i_high = most(s->i_high, from[k].i_high);
-        s->j_low = least(s->j_low, from[k].j_low);
-        s->j_high = most(s->j_high, from[k].j_high);
-    }
-}
-
-/* The least of the drops in the stretch. */
-static void bound_drops(cw_heading *h, int level) {
-    const cw_stretch *s = h->stretch[level];
-    for (uint32_t k = 0; k < h->stretches[level]; k++) {
-        const float *from = level > 0 ? h->stretch_drop[level - 1] + 4 * k : h->drop + s[k].first;
-        const uint32_t left = level > 0 ? h->stretches[level - 1] - 4 * k : s[k + 1].first - s[k].first;
-        float drop = INFINITY;
-        for (uint32_t n = 0; n < left && (level == 0 || n < 4); n++) drop = lower(from[n], drop);
-        h->stretch_drop[level][k] = drop;
-    }
+    for (uint32_t n = 4 * k; level > 0 && n < 4 * k + 4 && n < h->stretches[level - 1]; n++)
+        widen(s, &h->stretch[level - 1][n]);
 }
 
 /* Cells along the longer axis that a ray can go through inside the field and within its reach, at most. */
@@ -166,25 +143,14 @@ static cw_status make(cw_heading *h, const double dir[2], const cw_heading_desc 
     if (desc->drop > 0) h->drop = m.drop = cw_memory_allocate(&h->field->memory, (h->crossings + 1) * sizeof *h->drop);
     if (desc->drop > 0 && h->drop == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     for (uint32_t n = (uint32_t)((cells + 3) / 4);; n = (n + 3) / 4) {
-        cw_stretch *s = cw_memory_allocate(&h->field->memory, ((size_t)n + 1) * sizeof *s);
+        cw_stretch *s = cw_memory_clear(&h->field->memory, ((size_t)n + 1) * sizeof *s);
         if (s == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
         const int l = h->levels++;
         h->stretch[l] = s;
         h->stretches[l] = n;
         if (l == 0) make_crossings(&m, h->along_x, cells, s);
         s[n].first = (uint32_t)h->crossings;
-        for (uint32_t k = 0; k < n; k++) {
-            const uint32_t below = l > 0 ? h->stretches[l - 1] - 4 * k : 0;
-            if (l == 0)
-                bound_crossings(h, &s[k]);
-            else
-                bound_stretches(h->stretch[l - 1] + 4 * k, below < 4 ? below : 4, &s[k]);
-        }
-        if (h->drop != NULL) {
-            h->stretch_drop[l] = cw_memory_allocate(&h->field->memory, n * sizeof(float));
-            if (h->stretch_drop[l] == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-            bound_drops(h, l);
-        }
+        for (uint32_t k = 0; k < n; k++) bound_stretch(h, l, k);
         if (n == 1 || h->levels == PYRAMID_LEVELS_MAX) return CW_OK;
     }
 }
@@ -227,10 +193,7 @@ cw_status cw_heading_create(const cw_field *field, const cw_heading_desc *desc, 
 void cw_heading_destroy(cw_heading *heading) {
     if (heading == NULL) return;
     const cw_allocator *memory = &heading->field->memory;
-    for (int l = 0; l < heading->levels; l++) {
-        cw_memory_free(memory, heading->stretch[l]);
-        cw_memory_free(memory, heading->stretch_drop[l]);
-    }
+    for (int l = 0; l < heading->levels; l++) cw_memory_free(memory, heading->stretch[l]);
     cw_memory_free(memory, heading->drop);
     cw_memory_free(memory, heading->crossing);
     cw_memory_free(memory, heading);

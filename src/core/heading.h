@@ -35,8 +35,9 @@ typedef struct cw_crossing {
 /* Crossings that follow each other, over 4 cells along the longer axis at level 0 and four times as many at each
  * further one. */
 typedef struct cw_stretch {
-    uint32_t first; /* crossing; the next stretch's first one ends it */
+    uint32_t first; /* at level 0: crossing; the next stretch's first one ends it */
     float inverse_least, inverse_most;
+    float drop;                           /* the least of its crossings; 0 on a flat earth */
     int32_t i_low, i_high, j_low, j_high; /* samples that are read, from the start's */
 } cw_stretch;
 
@@ -49,7 +50,6 @@ struct cw_heading {
     int levels;
     uint32_t stretches[PYRAMID_LEVELS_MAX];
     cw_stretch *stretch[PYRAMID_LEVELS_MAX]; /* one more than there are, for its first */
-    float *stretch_drop[PYRAMID_LEVELS_MAX]; /* the least of its crossings' drops; NULL like drop */
 };
 
 /* A rectangle of samples, and where the answers go, row by row. */
