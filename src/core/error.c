@@ -22,23 +22,16 @@ const char *cw_version(void) { return CW_VERSION; }
 uint32_t cw_version_number(void) { return CW_VERSION_NUMBER; }
 
 const char *cw_status_message(cw_status status) {
-    switch (status) {
-    case CW_OK:
-        return "no error";
-    case CW_ERROR_ARGUMENT:
-        return "an argument is missing, out of range or unknown to this version";
-    case CW_ERROR_SAMPLE:
-        return "a sample lies beyond plus or minus 2^100, or a borrowed one is infinite; mark holes by NaN";
-    case CW_ERROR_KERNEL:
-        return "there is no such kernel here, or it does not have this leaf test";
-    case CW_ERROR_NOT_BUILT:
-        return "the kernel needs a structure that has not been built for this field";
-    case CW_ERROR_MEMORY:
-        return "out of memory";
-    case CW_ERROR_BUSY:
-        return "a field cannot be updated while queries or another update run on it";
-    case CW_ERROR_CANCELLED:
-        return "cancelled";
-    }
-    return "unknown status";
+    static const char *const messages[] = {
+        [CW_OK] = "no error",
+        [CW_ERROR_ARGUMENT] = "an argument is missing, out of range or unknown to this version",
+        [CW_ERROR_SAMPLE] =
+            "a sample lies beyond plus or minus 2^100, or a borrowed one is infinite; mark holes by NaN",
+        [CW_ERROR_KERNEL] = "there is no such kernel here, or it does not have this leaf test",
+        [CW_ERROR_NOT_BUILT] = "the kernel needs a structure that has not been built for this field",
+        [CW_ERROR_MEMORY] = "out of memory",
+        [CW_ERROR_BUSY] = "a field cannot be updated while queries or another update run on it",
+        [CW_ERROR_CANCELLED] = "cancelled",
+    };
+    return (uint32_t)status < sizeof messages / sizeof messages[0] ? messages[status] : "unknown status";
 }

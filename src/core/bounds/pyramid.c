@@ -24,31 +24,27 @@ typedef struct job {
     cw_tiles tiles;
     cw_refusal *refusal;
     int level;
-    nodes nodes; /* of that level */
+    nodes nodes; /* of that level, or tiles, or bricks: what is worked on */
+    void (*one)(const struct job *w, size_t x, size_t y);
 } job;
 
 static size_t across(const nodes *n) { return n->x_last - n->x + 1; }
 static size_t count(const nodes *n) { return across(n) * (n->y_last - n->y + 1); }
 
-static void do_tiles(void *context, size_t begin, size_t end) {
-    const job *w = context;
-    const fpenv caller = fpenv_enter();
-    for (size_t k = begin; k < end; k++) {
-        const size_t x = w->tiles.x + k % across(&w->tiles), y = w->tiles.y + k / across(&w->tiles);
-        w->p->holes[y * cw_tiles_across(w->f) + x] = cw_count_holes(w->f, x, y, w->refusal);
-        cw_pyramid_tile(w->f, w->p, x, y);
-    }
-    fpenv_leave(caller);
-}
-
-static void do_slabs(void *context, size_t begin, size_t end) {
+static void do_each(void *context, size_t begin, size_t end) {
     const job *w = context;
     const fpenv caller = fpenv_enter();
     for (size_t k = begin; k < end; k++)
-        cw_pyramid_node_slab(w->f, w->p, w->level, w->nodes.x + k % across(&w->nodes),
-                             w->nodes.y + k / across(&w->nodes));
+        w->one(w, w->nodes.x + k % across(&w->nodes), w->nodes.y + k / across(&w->nodes));
     fpenv_leave(caller);
 }
+
+static void do_tile(const job *w, size_t x, size_t y) {
+    w->p->holes[y * cw_tiles_across(w->f) + x] = cw_count_holes(w->f, x, y, w->refusal);
+    cw_pyramid_tile(w->f, w->p, x, y);
+}
+
+static void do_slab(const job *w, size_t x, size_t y) { cw_pyramid_node_slab(w->f, w->p, w->level, x, y); }
 
 /* ---- ahead ------------------------------------------------------------------------------------------------------- */
 
@@ -61,7 +57,8 @@ static float node_high(const cw_pyramid_level *l, size_t x, size_t y) {
 }
 
 /* The numbers of brick (x, y), from the nodes of it and of the bricks before it. */
-static void do_ahead_brick(const cw_pyramid_level *l, size_t x, size_t y) {
+static void do_ahead(const job *w, size_t x, size_t y) {
+    const cw_pyramid_level *l = &w->p->level[w->level];
     const size_t across = 4 * (size_t)l->across + 1, down = 4 * (size_t)l->down + 1;
     float high[5][5];
     for (size_t j = 0; j < 5; j++)
@@ -70,14 +67,6 @@ static void do_ahead_brick(const cw_pyramid_level *l, size_t x, size_t y) {
         for (size_t i = 0; i < 4 && 4 * x + i < across; i++)
             l->ahead[(4 * y + j) * across + 4 * x + i] =
                 higher(higher(high[j][i], high[j][i + 1]), higher(high[j + 1][i], high[j + 1][i + 1]));
-}
-
-static void do_ahead(void *context, size_t begin, size_t end) {
-    const job *w = context;
-    const fpenv caller = fpenv_enter();
-    for (size_t k = begin; k < end; k++)
-        do_ahead_brick(&w->p->level[w->level], w->nodes.x + k % across(&w->nodes), w->nodes.y + k / across(&w->nodes));
-    fpenv_leave(caller);
 }
 
 /* ---- all of it --------------------------------------------------------------------------------------------------- */
@@ -131,16 +120,18 @@ static void total(cw_field *f, struct cw_pyramid *p) {
 /* Everything above the tiles, which are done. */
 static void do_upper(job *w, cw_pool *pool) {
     struct cw_pyramid *p = w->p;
+    w->one = do_slab;
     for (w->level = TILE_LEVEL + 1; w->level < p->levels; w->level++) {
         w->nodes = nodes_of(w, w->level);
         for (size_t y = w->nodes.y; y <= w->nodes.y_last; y++)
             for (size_t x = w->nodes.x; x <= w->nodes.x_last; x++)
                 cw_pyramid_bound_brick(&p->level[w->level - 1], &p->level[w->level], x, y);
-        cw_pool_run(pool, count(&w->nodes), 1, do_slabs, w);
+        cw_pool_run(pool, count(&w->nodes), 1, do_each, w);
     }
+    w->one = do_ahead;
     for (w->level = 0; w->level < p->levels; w->level++) {
         w->nodes = ahead_of(w, w->level);
-        cw_pool_run(pool, count(&w->nodes), BRICKS_AT_ONCE, do_ahead, w);
+        cw_pool_run(pool, count(&w->nodes), BRICKS_AT_ONCE, do_each, w);
     }
     p->steepest = steepest(w->f, p);
     total(w->f, p);
@@ -202,14 +193,16 @@ enum { TILES_AT_ONCE = 4 };
 
 cw_status cw_pyramid_build(cw_field *f, const cw_run *how) {
     cw_refusal refusal = {CW_REFUSED_NONE};
-    job w = {.f = f, .tiles = {0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}, .refusal = &refusal};
+    job w = {
+        .f = f, .tiles = {0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}, .refusal = &refusal, .one = do_tile};
+    w.nodes = w.tiles;
     w.p = cw_memory_clear(&f->memory, sizeof *w.p);
     if (w.p == NULL || !lay_out(w.p, f)) {
         cw_pyramid_destroy(f, w.p);
         return cw_fail_plainly(CW_ERROR_MEMORY);
     }
     clear_upper(w.p);
-    cw_status status = cw_run_work(how, count(&w.tiles), TILES_AT_ONCE, TILES_AT_ONCE, do_tiles, &w);
+    cw_status status = cw_run_work(how, count(&w.tiles), TILES_AT_ONCE, TILES_AT_ONCE, do_each, &w);
     if (status == CW_OK) status = cw_refusal_status(f, &refusal);
     if (status != CW_OK) {
         cw_pyramid_destroy(f, w.p);
@@ -222,8 +215,8 @@ cw_status cw_pyramid_build(cw_field *f, const cw_run *how) {
 
 void cw_pyramid_update(cw_field *f, cw_tiles changed, cw_pool *pool) {
     cw_refusal refusal = {CW_REFUSED_NONE}; /* nothing will be: the samples have been checked */
-    job w = {.f = f, .p = f->pyramid, .tiles = changed, .refusal = &refusal};
-    cw_pool_run(pool, count(&changed), TILES_AT_ONCE, do_tiles, &w);
+    job w = {.f = f, .p = f->pyramid, .tiles = changed, .refusal = &refusal, .nodes = changed, .one = do_tile};
+    cw_pool_run(pool, count(&changed), TILES_AT_ONCE, do_each, &w);
     do_upper(&w, pool);
 }
 
