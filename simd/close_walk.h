@@ -77,14 +77,9 @@ static inline vray close_vectors(const close_ray *r) {
 static inline void close_keep(vmask found, const vfind *find, const vcell *c, vfloat columns, vfloat rows,
                               float *column, float *row, float first[FOUND_NUMBERS]) {
     float all[FOUND_NUMBERS][W], at[W], in[W];
-    vf_store(all[0], find->t0);
-    vf_store(all[1], find->t1);
-    vf_store(all[2], c->i);
-    vf_store(all[3], c->j);
-    vf_store(all[4], c->h00);
-    vf_store(all[5], vf_select(find->b, c->h01, c->h10));
-    vf_store(all[6], c->h11);
-    vf_store(all[7], vf_select(find->b, vf_set(1), vf_set(0)));
+    const vfloat corner = vf_select(find->b, c->h01, c->h10), b = vf_select(find->b, vf_set(1), vf_set(0));
+    const vfloat numbers[FOUND_NUMBERS] = {find->t0, find->t1, c->i, c->j, c->h00, corner, c->h11, b};
+    for (int m = 0; m < FOUND_NUMBERS; m++) vf_store(all[m], numbers[m]);
     vf_store(at, columns);
     vf_store(in, rows);
     for (unsigned bits = vm_bits(found); bits != 0; bits &= bits - 1) {

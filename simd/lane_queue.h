@@ -68,8 +68,8 @@ typedef struct lane_queue {
     uint32_t first;    /* number of the batch's first ray, from which those of rays count */
 } lane_queue;
 
-/* Numbers of a find. */
-enum { FOUND_NUMBERS = 8 };
+/* Numbers of a find; FOUND_B: 1 or 0. */
+enum { FOUND_T0, FOUND_T1, FOUND_I, FOUND_J, FOUND_H00, FOUND_CORNER, FOUND_H11, FOUND_B, FOUND_NUMBERS };
 
 /* The caller's arrays, indexed by the numbers of rays; and fewer than W finds of leaf tests that are not yet hits. A leaf test
  * finds two or three at a time, and refinement takes as long for W of them as for one. */
@@ -79,8 +79,7 @@ typedef struct lane_answers {
     uint8_t *occluded; /* of any-hit queries; one of the two is NULL */
     size_t found;
     uint32_t number[W];
-    alignas(ALIGNMENT) float t0[W], t1[W], i[W], j[W];
-    float h00[W], corner[W], h11[W], b[W]; /* b: 1 or 0 */
+    alignas(ALIGNMENT) float find[FOUND_NUMBERS][W];
 } lane_answers;
 
 /* The lanes, as they are while they are refilled. */
@@ -99,8 +98,8 @@ typedef struct lane_set {
 void CW_CODE(lane_write)(lane_answers *a, const cw_field *f);
 /* lane_walk in vectors of two registers (lane_pairs_kernel.c). */
 void CW_CODE(lane_pairs)(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers);
-/* Walks the ray in a lane to its end (close_walk.h), in a field of at least CLOSE_LEVELS levels. True if it hits: find is then
- * its t0, t1, i, j, h00, corner, h11 and b. */
+/* Walks the ray in a lane to its end (close_walk.h), in a field of at least CLOSE_LEVELS levels. True if it hits: then find is
+ * set. */
 enum { CLOSE_LEVELS = 3 };
 bool CW_CODE(close_walk)(const cw_field *f, const lane_set *l, size_t lane, float find[FOUND_NUMBERS]);
 

@@ -42,19 +42,20 @@ static inline unsigned first_lanes(size_t n) { return (unsigned)(((uint64_t)1 <<
 #if REGISTERS == 1 /* vectors of two registers call it, too */
 CW_ONE_COPY void CW_CODE(lane_write)(lane_answers *a, const cw_field *f) {
     const size_t count = a->found;
-    float *const numbers[FOUND_NUMBERS] = {a->t0, a->t1, a->i, a->j, a->h00, a->corner, a->h11, a->b};
     const cw_ray *rays[W];
     for (size_t m = count; m < W; m++) {
-        for (int k = 0; k < FOUND_NUMBERS; k++) numbers[k][m] = 0; /* not numbers that nothing has set */
+        for (int k = 0; k < FOUND_NUMBERS; k++) a->find[k][m] = 0; /* not numbers that nothing has set */
         a->number[m] = a->number[0];
     }
     for (size_t k = 0; k < W; k++) rays[k] = &a->rays[a->number[k]];
-    const found_hits found = {{vf_load(a->t0), vf_load(a->t1), vf_gt(vf_load(a->b), vf_set(0))},
-                              vf_load(a->i),
-                              vf_load(a->j),
-                              vf_load(a->h00),
-                              vf_load(a->corner),
-                              vf_load(a->h11)};
+    vfloat n[FOUND_NUMBERS];
+    for (int k = 0; k < FOUND_NUMBERS; k++) n[k] = vf_load(a->find[k]);
+    const found_hits found = {{n[FOUND_T0], n[FOUND_T1], vf_gt(n[FOUND_B], vf_set(0))},
+                              n[FOUND_I],
+                              n[FOUND_J],
+                              n[FOUND_H00],
+                              n[FOUND_CORNER],
+                              n[FOUND_H11]};
     vfloat c[8];
     vf_load_each_ray(rays, c);
     vstart s;
@@ -65,14 +66,13 @@ CW_ONE_COPY void CW_CODE(lane_write)(lane_answers *a, const cw_field *f) {
 }
 #endif
 
-/* Adds a ray's find, of which find holds t0, t1, i, j, h00, corner, h11 and b, in this order. */
+/* Adds a ray's find. */
 CW_INLINE void one_found(lane_answers *a, const cw_field *f, uint32_t ray, const float find[FOUND_NUMBERS]) {
     if (a->occluded) {
         a->occluded[ray] = 1;
         return;
     }
-    float *const to[FOUND_NUMBERS] = {a->t0, a->t1, a->i, a->j, a->h00, a->corner, a->h11, a->b};
-    for (int k = 0; k < FOUND_NUMBERS; k++) to[k][a->found] = find[k];
+    for (int k = 0; k < FOUND_NUMBERS; k++) a->find[k][a->found] = find[k];
     a->number[a->found++] = ray;
     if (a->found == W) CW_CODE(lane_write)(a, f);
 }

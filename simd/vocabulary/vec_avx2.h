@@ -35,10 +35,6 @@ static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
     return (int_reg){_mm256_castps_si256(_mm256_blendv_ps(low, high, upper))};
 }
 
-static inline mask_reg rm_first(size_t n) {
-    const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    return (mask_reg){_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32((int32_t)n), lane))};
-}
 static inline mask_reg rm_from_bits(unsigned bits) {
     const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
     return (mask_reg){

@@ -51,7 +51,6 @@ static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){(__mmas
 static inline mask_reg rm_xor(mask_reg a, mask_reg b) { return (mask_reg){(__mmask16)(a.v ^ b.v)}; }
 static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){(__mmask16)(a.v & ~b.v)}; }
 static inline mask_reg rm_not(mask_reg a) { return (mask_reg){(__mmask16)~a.v}; }
-static inline mask_reg rm_first(size_t n) { return (mask_reg){(__mmask16)(n >= W ? 0xffff : (1u << n) - 1)}; }
 static inline mask_reg rm_from_bits(unsigned bits) { return (mask_reg){(__mmask16)bits}; }
 static inline bool rm_any(mask_reg a) { return a.v != 0; }
 static inline unsigned rm_bits(mask_reg a) { return a.v; }

@@ -84,10 +84,6 @@ static inline mask_reg rm_xor(mask_reg a, mask_reg b) { return (mask_reg){veorq_
 static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){vbicq_u32(a.v, b.v)}; }
 static inline mask_reg rm_not(mask_reg a) { return (mask_reg){vmvnq_u32(a.v)}; }
 static inline mask_reg rm_set(bool a) { return (mask_reg){vdupq_n_u32(-(uint32_t)a)}; }
-static inline mask_reg rm_first(size_t n) {
-    const uint32x4_t lane = {0, 1, 2, 3};
-    return (mask_reg){vcltq_u32(lane, vdupq_n_u32((uint32_t)n))};
-}
 static inline mask_reg rm_from_bits(unsigned bits) {
     const uint32x4_t bit = {1, 2, 4, 8};
     return (mask_reg){vtstq_u32(vdupq_n_u32(bits), bit)};

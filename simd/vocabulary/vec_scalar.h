@@ -75,7 +75,6 @@ static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){a.v || 
 static inline mask_reg rm_xor(mask_reg a, mask_reg b) { return (mask_reg){a.v != b.v}; }
 static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){a.v && !b.v}; } /* a and not b */
 static inline mask_reg rm_not(mask_reg a) { return (mask_reg){!a.v}; }
-static inline mask_reg rm_first(size_t n) { return (mask_reg){n > 0}; } /* lanes 0 to n - 1 */
 static inline mask_reg rm_from_bits(unsigned bits) {
     return (mask_reg){bits & 1};
 } /* lane k = bit k; further bits are ignored */

@@ -35,9 +35,6 @@ static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
                                     table[_mm_extract_epi32(k.v, 2)], table[_mm_extract_epi32(k.v, 3)])};
 }
 
-static inline mask_reg rm_first(size_t n) {
-    return (mask_reg){_mm_castsi128_ps(_mm_cmpgt_epi32(_mm_set1_epi32((int32_t)n), _mm_setr_epi32(0, 1, 2, 3)))};
-}
 static inline mask_reg rm_from_bits(unsigned bits) {
     const __m128i bit = _mm_setr_epi32(1, 2, 4, 8);
     return (mask_reg){_mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int32_t)bits), bit), bit))};

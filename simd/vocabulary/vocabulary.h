@@ -171,10 +171,11 @@ static inline vint vi_lookup(const int32_t table[16], vint k) {
 #undef BOTH
 #undef SIGN
 
-static inline vmask vm_first(size_t n) { return (vmask){rm_first(n) SECOND(, rm_first(n < W ? 0 : n - W))}; }
 static inline vmask vm_from_bits(unsigned bits) {
     return (vmask){rm_from_bits(bits) SECOND(, rm_from_bits(bits >> W))};
 }
+/* Lanes 0 to n - 1. */
+static inline vmask vm_first(size_t n) { return vm_from_bits(n < LANES ? (1u << n) - 1 : ~0u); }
 static inline bool vm_any(vmask a) {
     mask_reg some = a.a;
     SECOND(some = rm_or(some, a.b);)
