@@ -28,9 +28,9 @@ void cw_compass_destroy(compass *c) {
     *c = (compass){0};
 }
 
-void cw_compass_turn(compass *c, size_t row, size_t *rows) {
+void cw_compass_turn(compass *c, cw_rectangle *at, size_t end) {
     const terrain *whole = terrain_whole(c->terrain);
-    row += c->terrain->row;
+    const size_t row = at->j + c->terrain->row;
     if (row < c->from || row >= c->until) {
         forget(c);
         if (row < c->from) c->until = 0;
@@ -39,7 +39,7 @@ void cw_compass_turn(compass *c, size_t row, size_t *rows) {
             c->until = c->from + cw_terrain_rows_alike(whole, c->from);
         } while (row >= c->until);
     }
-    *rows = c->until - row;
+    at->ny = c->until - row < end - at->j ? c->until - row : end - at->j;
 }
 
 void cw_compass_release(compass *c, size_t k) {
@@ -63,4 +63,12 @@ cw_status cw_compass_heading(compass *c, size_t k, cw_heading **heading, double 
     if (c->headings[k] == NULL) status = cw_heading_create(t->field, &desc, &c->headings[k]);
     *heading = c->headings[k];
     return status;
+}
+
+float cw_compass_rise(double slope, double altitude) {
+    if (altitude >= 90) return INFINITY;
+    if (altitude <= -90) return -INFINITY;
+    double sine, cosine;
+    cw_terrain_sine_cosine(altitude, &sine, &cosine);
+    return (float)(sine / cosine * slope);
 }

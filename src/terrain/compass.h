@@ -24,8 +24,9 @@ cw_status cw_compass_create(compass *c, const terrain *t, const double *azimuths
                             double curvature);
 void cw_compass_destroy(compass *c);
 
-/* Turns to the row; headings are shared by the same rows of the whole raster, wherever one begins. Sets rows to the number of rows, from this one on, for which headings are then right. */
-void cw_compass_turn(compass *c, size_t row, size_t *rows);
+/* Turns to the rectangle's first row, and sets its height to the number of rows, before end, for which headings are then right: the same
+ * rows of the whole raster share headings, wherever one begins. */
+void cw_compass_turn(compass *c, cw_rectangle *at, size_t end);
 
 /* The middle of these rows, in the whole raster's. */
 double cw_compass_middle(const compass *c);
@@ -35,5 +36,8 @@ void cw_compass_release(compass *c, size_t k);
 
 /* Heading number k for these rows. The tangent of an angle, times slope, is the rise that the heading knows. */
 cw_status cw_compass_heading(compass *c, size_t k, cw_heading **heading, double *slope);
+
+/* The rise, in a heading's numbers, of a ray at an altitude of so many degrees. */
+float cw_compass_rise(double slope, double altitude);
 
 #endif

@@ -129,12 +129,6 @@ static void to_degrees(void *context, size_t begin, size_t end) {
         t->degrees[k] = t->degrees[k] == -INFINITY ? NAN : cw_horizon_degrees(t->degrees[k] * t->per_rise);
 }
 
-/* Turns to rows of at that share their scale, and leaves these alone in it. */
-static void turn(horizon *h, cw_rectangle *at, size_t end) {
-    cw_compass_turn(&h->compass, at->j, &at->ny);
-    if (at->ny > end - at->j) at->ny = end - at->j;
-}
-
 /* ---- angles and distances ---------------------------------------------------------------------------------------------- */
 
 typedef struct locating {
@@ -179,7 +173,7 @@ static cw_status fill_angles(void *context, const cw_run *run, cw_rectangle at, 
     for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny, out += at.nx * at.ny) {
         cw_heading *heading;
         double slope;
-        turn(h, &at, end);
+        cw_compass_turn(&h->compass, &at, end);
         run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
         run_part rest = {run, part.begin + 0.1 * (part.end - part.begin), part.end};
         if (h->bounds) part.end = rest.begin;
@@ -346,7 +340,7 @@ static cw_status fill_sky(void *context, const cw_run *run, cw_rectangle at, voi
     for (size_t k = 0; k < n; k++) h->sums[k] = 0;
     for (size_t k = 0; k < n && h->kind == OPENNESS; k++) share[k] = 0; /* counts of directions at first */
     for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny) {
-        turn(h, &at, end);
+        cw_compass_turn(&h->compass, &at, end);
         run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
         const cw_run some = cw_run_part_of(&part);
         for (size_t k = 0; k < h->count; k++) {

@@ -92,22 +92,13 @@ static float *work(sunlight *s, size_t floats) {
     return s->work;
 }
 
-/* The rise, in a heading's numbers, of a ray at that altitude. */
-static float rise(double slope, double altitude) {
-    if (altitude >= 90) return INFINITY;
-    if (altitude <= -90) return -INFINITY;
-    double sine, cosine;
-    cw_terrain_sine_cosine(altitude, &sine, &cosine);
-    return (float)(sine / cosine * slope);
-}
-
 /* Whether the middle of the sun is hidden. */
 static cw_status blocked(sunlight *s, const cw_run *run, cw_rectangle at, uint8_t *occluded) {
     cw_heading *heading;
     double slope;
     const cw_status status = cw_compass_heading(&s->compass, 0, &heading, &slope);
     if (status != CW_OK) return status;
-    return cw_heading_occluded(heading, run, rise(slope, s->desc.altitude), at, occluded);
+    return cw_heading_occluded(heading, run, cw_compass_rise(slope, s->desc.altitude), at, occluded);
 }
 
 /* At the raster's rim no terrain hides a sun below the level. From a height h over the sea a free horizon has the dip
@@ -128,8 +119,7 @@ static cw_status fill_lit(void *context, const cw_run *run, cw_rectangle at, voi
     const double night = night_limit(s);
     uint8_t *lit = to;
     for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny) {
-        cw_compass_turn(&s->compass, at.j, &at.ny);
-        if (at.ny > end - at.j) at.ny = end - at.j;
+        cw_compass_turn(&s->compass, &at, end);
         run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
         const cw_run some = cw_run_part_of(&part);
         const cw_status status = blocked(s, &some, at, lit);
@@ -151,7 +141,8 @@ static cw_status add_strip(sunlight *s, const cw_run *run, size_t k, cw_rectangl
     double slope;
     cw_status status = cw_compass_heading(&s->compass, k, &heading, &slope);
     if (status != CW_OK) return status;
-    const float low = rise(slope, p->altitude - p->half), high = rise(slope, p->altitude + p->half);
+    const float low = cw_compass_rise(slope, p->altitude - p->half),
+                high = cw_compass_rise(slope, p->altitude + p->half);
     status = cw_heading_steepest(heading, run, low, high, at, steepest);
     if (status != CW_OK) return status;
     /* The tangent of the angle between two directions; as the disc is small, that is the angle. */
@@ -234,8 +225,7 @@ static cw_status fill_share(void *context, const cw_run *run, cw_rectangle at, v
     const double night = night_limit(s);
     float *share = to;
     for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny) {
-        cw_compass_turn(&s->compass, at.j, &at.ny);
-        if (at.ny > end - at.j) at.ny = end - at.j;
+        cw_compass_turn(&s->compass, &at, end);
         run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
         const cw_run some = cw_run_part_of(&part);
         cw_status status = share_of_disc(s, &some, at, share);

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Day = Union[str, datetime.date, np.datetime64]
 
 SPOTS_MOST = 65534  # which uint16 counts
-SUN_RADIUS = 0.2666  # degrees, as src/terrain/sun.h has it
+SUN_RADIUS = 0.2666  # degrees, as src/terrain/sun/sun.h has it
 _DEGREES = 180 / 3.141592653589793
 
 

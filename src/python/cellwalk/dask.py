@@ -64,7 +64,7 @@ class _Window(NamedTuple):
         return slice(row, row + self.rows), slice(column, column + self.columns)
 
     def blocks(self) -> tuple[slice, slice]:
-        """Rows and columns of the blocks of src/terrain/reach.h that it has samples of."""
+        """Rows and columns of the blocks of src/terrain/reach/reach.h that it has samples of."""
         size = _cellwalk.BLOCK
         return (slice(self.row // size, -(-(self.row + self.rows) // size)),
                 slice(self.column // size, -(-(self.column + self.columns) // size)))

@@ -207,14 +207,6 @@ static void add_energy(void *context, size_t begin, size_t end) {
 
 /* ---- all suns ---------------------------------------------------------------------------------------------------- */
 
-/* The rise of a sun in a heading's numbers. */
-static float rise_of(const beam *b, double slope) {
-    if (b->sun.altitude >= 90) return INFINITY;
-    double sine, cosine;
-    cw_terrain_sine_cosine(b->sun.altitude, &sine, &cosine);
-    return (float)(sine / cosine * slope);
-}
-
 enum { GRAIN = 1 << 14, HEADINGS_KEPT = 64 };
 
 typedef struct block {
@@ -235,7 +227,8 @@ static cw_status add_sector(block *b, size_t number) {
     double slope;
     cw_status status = cw_compass_heading(&s->compass, number, &heading, &slope);
     if (status != CW_OK) return status;
-    const float low = rise_of(beams, slope), high = rise_of(beams + of->count - 1, slope);
+    const float low = cw_compass_rise(slope, beams->sun.altitude),
+                high = cw_compass_rise(slope, beams[of->count - 1].sun.altitude);
     b->add.occluded = of->count == 1 ? b->occluded : NULL;
     b->add.rises = b->rises;
     /* A rise that is cut off at the lower end must be below the lowest sun's. */
@@ -246,7 +239,7 @@ static cw_status add_sector(block *b, size_t number) {
         light l;
         if (b->energy) make_light(s, beams + k, &l);
         b->add.light = &l;
-        b->add.rise = rise_of(beams + k, slope);
+        b->add.rise = cw_compass_rise(slope, beams[k].sun.altitude);
         b->add.weight = beams[k].weight;
         cw_pool_run(b->run->pool, b->at.nx * b->at.ny, GRAIN,
                     b->energy       ? add_energy
@@ -305,8 +298,7 @@ static cw_status fill(insolation *s, const cw_run *run, cw_rectangle at, bool en
     if (energy) cw_pool_run(run->pool, at.ny, 4, find_lie, &l);
     memset(out, 0, n * sizeof *out);
     for (; at.j < end; at.j += at.ny) {
-        cw_compass_turn(&s->compass, at.j, &at.ny);
-        if (at.ny > end - at.j) at.ny = end - at.j;
+        cw_compass_turn(&s->compass, &at, end);
         run_part part = {run, (double)(at.j - first) / (double)all, (double)(at.j + at.ny - first) / (double)all};
         const cw_run some = cw_run_part_of(&part);
         const size_t to = (at.j - first) * at.nx;
