@@ -2,9 +2,9 @@
 /* The public functions: misuse gives the documented status, arrays of any length and alignment give the documented result,
  * and rays are moved to the field in one way. */
 
+#include "case.h"
 #include "cellwalk_expert.h"
 #include "check.h"
-#include "rays.h"
 
 #include <float.h>
 #include <math.h>
@@ -12,23 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static test_field shape; /* 17 × 17, random */
-static cw_field *field;
-static cw_ray rays[20000];
-static cw_hit expected[20000], got[20000];
-enum { RAYS = sizeof rays / sizeof rays[0] };
-
-static int set_up(void **state) {
-    (void)state;
-    field = ray_case(&shape, FIELD_RANDOM, 17, 17, 7, rays, expected, RAYS);
-    return 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    cw_field_destroy(field);
-    return 0;
-}
+static cw_hit got[RAYS];
 
 /* ---- misuse ----------------------------------------------------------------------------------------------------- */
 
@@ -43,57 +27,58 @@ static cw_status try_create(cw_field_desc desc) {
 static void test_bad_fields(void **state) {
     (void)state;
     static const float z[12] = {0};
-    const cw_field_desc good = {.samples = z, .nx = 3, .ny = 2};
-    cw_field_desc d;
-    check_status(try_create(good), CW_OK);
-    d = good, d.storage = (cw_storage)2;
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
-
+    const struct {
+        size_t nx, ny, stride;
+        int storage;
+        cw_status status;
+    } cases[] = {
+        {3, 2, 0, CW_COPY, CW_OK},
+        {3, 2, 6, CW_COPY, CW_OK},
+        {3, 2, 0, 2, CW_ERROR_ARGUMENT},
+        {46341, 46341, 0, CW_COPY, CW_ERROR_ARGUMENT}, /* 46341 squared is the first square above 2^31 */
+        {3, 2, 2, CW_COPY, CW_ERROR_ARGUMENT},
+        {3, 2, SIZE_MAX / 4, CW_COPY, CW_ERROR_ARGUMENT},
+        {3, 2, SIZE_MAX, CW_COPY, CW_ERROR_ARGUMENT},
+        {3, 2, (size_t)1 << 31, CW_BORROW, CW_ERROR_ARGUMENT},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
+        check_status(try_create((cw_field_desc){.samples = z,
+                                                .nx = cases[k].nx,
+                                                .ny = cases[k].ny,
+                                                .stride = cases[k].stride,
+                                                .storage = (cw_storage)cases[k].storage}),
+                     cases[k].status);
     const size_t sides[] = {0, 1, (size_t)CW_SIDE_MAX + 1, SIZE_MAX / 2 + 1, SIZE_MAX};
-    for (size_t k = 0; k < sizeof sides / sizeof sides[0]; k++) {
-        d = good, d.nx = sides[k];
-        check_status(try_create(d), CW_ERROR_ARGUMENT);
-        d = good, d.ny = sides[k];
-        check_status(try_create(d), CW_ERROR_ARGUMENT);
-        d = good, d.nx = d.ny = sides[k];
-        check_status(try_create(d), CW_ERROR_ARGUMENT);
-    }
-    d = good, d.nx = d.ny = 46341; /* 46341 squared is the first square above 2^31 */
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
-
-    d = good, d.stride = 2;
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
-    d = good, d.stride = SIZE_MAX / 4;
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
-    d = good, d.stride = SIZE_MAX;
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
-    d = good, d.stride = (size_t)1 << 31, d.storage = CW_BORROW;
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
-    d = good, d.stride = 6;
-    check_status(try_create(d), CW_OK);
+    for (size_t k = 0; k < 3 * (sizeof sides / sizeof sides[0]); k++)
+        check_status(try_create((cw_field_desc){
+                         .samples = z, .nx = k % 3 == 1 ? 3 : sides[k / 3], .ny = k % 3 == 0 ? 2 : sides[k / 3]}),
+                     CW_ERROR_ARGUMENT);
 }
 
 static void test_bad_maps(void **state) {
     (void)state;
     static const float z[4] = {0};
-    const cw_field_desc good = {.samples = z, .nx = 2, .ny = 2, .map = {{1}, {0, 1}, {0, 0, 1}}};
-    cw_field_desc d;
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 4; c++) {
-            const double odd[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
-            for (size_t k = 0; k < 3; k++) {
-                d = good, d.map[r][c] = odd[k];
-                check_status(try_create(d), CW_ERROR_ARGUMENT);
-            }
-        }
-    d = good, d.map[1][1] = 0; /* a row of zeros */
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
-    d = good, d.map[1][0] = 1, d.map[1][1] = 0; /* two equal rows */
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
-    d = good, d.map[2][2] = 1e-320; /* the inverse overflows */
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
-    d = good, d.map[0][0] = 1e-9, d.map[1][1] = 1e-9, d.map[2][2] = 1e-9; /* nanometres are no singular map */
-    check_status(try_create(d), CW_OK);
+    static const struct {
+        double map[3][4];
+        cw_status status;
+    } cases[] = {
+        {{{1}, {0, 0}, {0, 0, 1}}, CW_ERROR_ARGUMENT},      /* a row of zeros */
+        {{{1}, {1, 0}, {0, 0, 1}}, CW_ERROR_ARGUMENT},      /* two equal rows */
+        {{{1}, {0, 1}, {0, 0, 1e-320}}, CW_ERROR_ARGUMENT}, /* the inverse overflows */
+        {{{1e-9}, {0, 1e-9}, {0, 0, 1e-9}}, CW_OK},         /* nanometres are no singular map */
+        {{{0, 0, 0, 1}, {0}, {0}}, CW_ERROR_ARGUMENT},      /* a translation alone is no map */
+    };
+    cw_field_desc d = {.samples = z, .nx = 2, .ny = 2};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        memcpy(d.map, cases[k].map, sizeof d.map);
+        check_status(try_create(d), cases[k].status);
+    }
+    for (int k = 0; k < 3 * 12; k++) {
+        static const double good[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+        memcpy(d.map, good, sizeof d.map);
+        d.map[k / 12][k / 3 % 4] = (const double[]){(double)NAN, (double)INFINITY, -(double)INFINITY}[k % 3];
+        check_status(try_create(d), CW_ERROR_ARGUMENT);
+    }
 }
 
 /* Beyond these, strict answers could overflow. */
@@ -123,9 +108,6 @@ static void test_descriptions_filled_in_by_hand(void **state) {
     cw_hit_points(f, NULL, &hit, 1, point);
     check(point[0] == 0.5 && point[1] == 0.5 && point[2] == 1.5, "at (%g, %g, %g)", point[0], point[1], point[2]);
     cw_field_destroy(f);
-    cw_field_desc moved = {.samples = z, .nx = 2, .ny = 2};
-    moved.map[0][3] = 1; /* a translation alone is no map */
-    check_status(try_create(moved), CW_ERROR_ARGUMENT);
 }
 
 static void test_pool_sizes(void **state) {
@@ -410,5 +392,5 @@ int main(void) {
         cmocka_unit_test(test_lengths_and_alignment),
         cmocka_unit_test(test_moved_rays_agree),
     };
-    return cmocka_run_group_tests_name("api", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("api", tests, case_begin, case_end);
 }

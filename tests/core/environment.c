@@ -2,36 +2,26 @@
 /* What surrounds a query must not change its result: the caller's floating-point environment, the number of threads,
  * other queries at the same time. */
 
+#include "case.h"
 #include "cellwalk_expert.h"
 #include "check.h"
 #include "fp_register.h"
-#include "rays.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { RAYS = 20000 };
-static size_t count; /* of these, as many as there is time for */
-static test_field shape;
-static cw_field *field;
-static cw_ray rays[RAYS];
-static cw_hit expected[RAYS], got[RAYS];
+static size_t count; /* of the rays, as many as there is time for */
+static cw_hit got[RAYS];
 
 static int set_up(void **state) {
     (void)state;
     count = test_share(RAYS, 200);
-    field = ray_case(&shape, FIELD_TINY, 31, 12, 13, rays, expected, count);
+    case_make(FIELD_TINY, 31, 12, 13, count);
     size_t hits = 0;
     for (size_t k = 0; k < count; k++) hits += expected[k].i >= 0;
     check(hits > count / 4, "too few hits for the tests to mean anything");
-    return 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    cw_field_destroy(field);
     return 0;
 }
 
@@ -201,5 +191,5 @@ int main(void) {
         cmocka_unit_test(test_pools),
         cmocka_unit_test(test_queries_at_once),
     };
-    return cmocka_run_group_tests_name("environment", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("environment", tests, set_up, case_end);
 }

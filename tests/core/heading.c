@@ -90,31 +90,35 @@ static cw_heading *heading_open(const cw_field *field, const double dir[2]) {
     return h;
 }
 
+/* Those of all samples. */
+static void slopes_of(const cw_field *field, const double dir[2], float *slope) {
+    const cw_field_info info = cw_field_describe(field);
+    cw_heading *h = heading_open(field, dir);
+    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 0, info.nx, info.ny}, slope),
+                 CW_OK);
+    cw_heading_destroy(h);
+}
+
+static void check_sample(const test_field *f, const float *slope, size_t at, const double dir[2]) {
+    const size_t i = at % f->nx, j = at / f->nx;
+    double allowed;
+    const double wanted = brute(f, i, j, dir, &allowed), got = (double)slope[at];
+    check(isnan(f->z[at]) ? isnan(got) : got == wanted || fabs(got - wanted) <= allowed + 0x1p-140,
+          "%s %zu x %zu, from (%zu, %zu) along (%a, %a): %.9g, not %.9g", field_shape_name(f->shape), f->nx, f->ny, i,
+          j, dir[0], dir[1], got, wanted);
+}
+
+static float slope[FIELD_SAMPLES_MAX];
+
 static void check_against_brute(const test_field *f, uint64_t seed) {
     random_state r = {seed};
-    static float slope[FIELD_SAMPLES_MAX];
     cw_field *field = field_open(f);
     for (size_t d = 0; d < 20; d += step()) {
+        const size_t all = f->nx * f->ny, most = test_share(200, 40), some = all > most ? most : all;
         double dir[2];
         direction(&r, d, dir);
-        cw_heading *h = heading_open(field, dir);
-        check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 0, f->nx, f->ny}, slope),
-                     CW_OK);
-        const size_t all = f->nx * f->ny, most = test_share(200, 40), some = all > most ? most : all;
-        for (size_t k = 0; k < some; k++) {
-            const size_t at = some == all ? k : random_below(&r, all), i = at % f->nx, j = at / f->nx;
-            double allowed;
-            const double wanted = brute(f, i, j, dir, &allowed), got = (double)slope[at];
-            if (isnan(f->z[at])) {
-                check(isnan(got), "%s %zu x %zu: %g at the hole (%zu, %zu)", field_shape_name(f->shape), f->nx, f->ny,
-                      got, i, j);
-                continue;
-            }
-            check(got == wanted || fabs(got - wanted) <= allowed + 0x1p-140,
-                  "%s %zu x %zu, from (%zu, %zu) along (%a, %a): %.9g, not %.9g", field_shape_name(f->shape), f->nx,
-                  f->ny, i, j, dir[0], dir[1], got, wanted);
-        }
-        cw_heading_destroy(h);
+        slopes_of(field, dir, slope);
+        for (size_t k = 0; k < some; k++) check_sample(f, slope, some == all ? k : random_below(&r, all), dir);
     }
     cw_field_destroy(field);
 }
@@ -135,7 +139,6 @@ static void every_edge_counts(void **state) {
  * stretch, of whose samples no other lies in the field. */
 static void walls_on_the_border_count(void **state) {
     (void)state;
-    static float slope[FIELD_SAMPLES_MAX];
     random_state r = {20261123};
     test_field *f = &field_a;
     for (size_t nx = 17; nx <= 49; nx += 16) {
@@ -146,17 +149,8 @@ static void walls_on_the_border_count(void **state) {
         cw_field *field = field_open(f);
         for (size_t d = 0; d < 40; d++) {
             const double angle = random_between(&r, -0.7, 0.7), dir[2] = {cos(angle), sin(angle)};
-            cw_heading *h = heading_open(field, dir);
-            check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 0, nx, f->ny}, slope),
-                         CW_OK);
-            for (size_t at = 0; at < nx * f->ny; at += 16) {
-                double allowed;
-                const double wanted = brute(f, at % nx, at / nx, dir, &allowed), got = (double)slope[at];
-                check(got == wanted || fabs(got - wanted) <= allowed + 0x1p-140,
-                      "%zu columns, from (%zu, %zu) along (%a, %a): %.9g, not %.9g", nx, at % nx, at / nx, dir[0],
-                      dir[1], got, wanted);
-            }
-            cw_heading_destroy(h);
+            slopes_of(field, dir, slope);
+            for (size_t at = 0; at < nx * f->ny; at += 16) check_sample(f, slope, at, dir);
         }
         cw_field_destroy(field);
     }
@@ -200,7 +194,7 @@ static void ends_and_curvature_count(void **state) {
 /* All instruction sets, threads and ways to cut the field up give the same bits. */
 static void check_bits(size_t first_direction) {
     enum { NX = 203, NY = 187 };
-    static float first[NX * NY], slope[NX * NY];
+    static float first[NX * NY];
     static uint8_t hit[NX * NY];
     random_state r = {99};
     land(&field_a, NX, NY);
@@ -221,7 +215,7 @@ static void check_bits(size_t first_direction) {
             check_status(cw_heading_steepest(h, &query, -INFINITY, INFINITY, (cw_rectangle){0, 0, NX, NY},
                                              isa == CW_ISA_SCALAR ? first : slope),
                          CW_OK);
-            if (isa > CW_ISA_SCALAR) assert_memory_equal(first, slope, sizeof slope);
+            if (isa > CW_ISA_SCALAR) assert_memory_equal(first, slope, sizeof first);
 
             const float threshold = first[random_below(&r, NX * NY)]; /* equal to one: a touch is a hit */
             if (!isfinite(threshold)) continue;
@@ -280,13 +274,9 @@ static void check_bounds(void) {
         for (size_t d = 0; d < 24; d += step()) {
             double dir[2];
             direction(&r, d, dir);
-            cw_heading *a = heading_open(with, dir), *b = heading_open(without, dir);
-            check_status(cw_heading_steepest(a, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 0, NX, NY}, bounded),
-                         CW_OK);
-            check_status(cw_heading_steepest(b, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 0, NX, NY}, plain), CW_OK);
+            slopes_of(with, dir, bounded);
+            slopes_of(without, dir, plain);
             assert_memory_equal(bounded, plain, sizeof plain);
-            cw_heading_destroy(a);
-            cw_heading_destroy(b);
         }
         cw_field_destroy(with);
         cw_field_destroy(without);
@@ -305,20 +295,16 @@ static void bounds_change_nothing(void **state) {
 static void planes_rise_evenly(void **state) {
     (void)state;
     enum { NX = 70, NY = 40 };
-    static float slope[NX * NY];
     field_make(&field_a, FIELD_FLAT, NX, NY, 1);
     for (int plane = 0; plane < 2; plane++) {
         for (size_t k = 0; k < NX * NY; k++)
             field_a.z[k] = plane ? (float)(3 * (int)(k % NX) - 2 * (int)(k / NX)) : 1234.567f;
         cw_field *field = field_open(&field_a);
-        const double dir[2] = {0.5, 0.25};
-        cw_heading *h = heading_open(field, dir);
-        check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 0, NX, NY}, slope), CW_OK);
+        slopes_of(field, (double[2]){0.5, 0.25}, slope);
         for (size_t k = 0; k < NX * NY; k++) {
             const bool leaves = k % NX == NX - 1 || k / NX == NY - 1;
             assert_true(slope[k] == (leaves ? -INFINITY : plane ? 1.0f : 0.0f));
         }
-        cw_heading_destroy(h);
         cw_field_destroy(field);
     }
 }
@@ -329,7 +315,6 @@ static void planes_rise_evenly(void **state) {
 static void rounding_above_both_samples_counts(void **state) {
     (void)state;
     enum { NX = 20, NY = 16 };
-    static float slope[NX * NY];
     test_field *f = &field_a;
     field_make(f, FIELD_FLAT, NX, NY, 1);
     for (size_t k = 0; k < NX * NY; k++) f->z[k] = NAN;
@@ -367,24 +352,21 @@ static void misuse_is_refused(void **state) {
     for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++)
         check_status(cw_heading_create(field, &wrong[k], &h), CW_ERROR_ARGUMENT);
     h = heading_open(field, good);
-    float slope[20];
     uint8_t hit[20];
-    check_status(cw_heading_steepest(NULL, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 0, 5, 4}, slope),
-                 CW_ERROR_ARGUMENT);
-    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 0, 5, 4}, NULL),
-                 CW_ERROR_ARGUMENT);
-    check_status(cw_heading_steepest(h, NULL, 1, 0, (cw_rectangle){0, 0, 5, 4}, slope), CW_ERROR_ARGUMENT);
-    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){1, 0, 5, 4}, slope),
-                 CW_ERROR_ARGUMENT);
-    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){0, SIZE_MAX, 5, 4}, slope),
-                 CW_ERROR_ARGUMENT);
+    const cw_rectangle all = {0, 0, 5, 4};
     const cw_run misspelt = {.expert.kernel = cw_kernel_find("packet99")}, later = {.reserved = {0, 0, 0, 1}};
-    check_status(cw_heading_steepest(h, &misspelt, 0, 1, (cw_rectangle){0, 0, 5, 4}, slope), CW_ERROR_KERNEL);
-    check_status(cw_heading_occluded(h, &later, 0, (cw_rectangle){0, 0, 5, 4}, hit), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_steepest(NULL, NULL, -INFINITY, INFINITY, all, slope), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, all, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_steepest(h, NULL, 1, 0, all, slope), CW_ERROR_ARGUMENT);
+    const cw_rectangle outside[] = {{1, 0, 5, 4}, {0, SIZE_MAX, 5, 4}};
+    for (int k = 0; k < 2; k++)
+        check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, outside[k], slope), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_steepest(h, &misspelt, 0, 1, all, slope), CW_ERROR_KERNEL);
+    check_status(cw_heading_occluded(h, &later, 0, all, hit), CW_ERROR_ARGUMENT);
     check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){5, 4, 0, 0}, slope), CW_OK);
-    check_status(cw_heading_occluded(h, NULL, -INFINITY, (cw_rectangle){0, 0, 5, 4}, hit), CW_OK);
+    check_status(cw_heading_occluded(h, NULL, -INFINITY, all, hit), CW_OK);
     for (size_t k = 0; k < 20; k++) assert_int_equal(hit[k], k % 5 < 4); /* the last column sees nothing */
-    check_status(cw_heading_occluded(h, NULL, INFINITY, (cw_rectangle){0, 0, 5, 4}, hit), CW_OK);
+    check_status(cw_heading_occluded(h, NULL, INFINITY, all, hit), CW_OK);
     for (size_t k = 0; k < 20; k++) assert_int_equal(hit[k], 0);
     cw_heading_destroy(h);
     cw_heading_destroy(NULL);

@@ -2,30 +2,12 @@
 /* What follows from a hit - point, normals, their changes, uv - agrees with formulas in long double, and is NaN where there
  * is no hit. */
 
+#include "case.h"
 #include "check.h"
-#include "rays.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-static test_field shape; /* 17 × 17, random */
-static cw_field *field;
-static cw_ray rays[20000];
-static cw_hit expected[20000];
-enum { RAYS = sizeof rays / sizeof rays[0] };
-
-static int set_up(void **state) {
-    (void)state;
-    field = ray_case(&shape, FIELD_RANDOM, 17, 17, 7, rays, expected, RAYS);
-    return 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    cw_field_destroy(field);
-    return 0;
-}
 
 /* ---- by hand ----------------------------------------------------------------------------------------------------- */
 typedef struct vec3 {
@@ -187,5 +169,5 @@ int main(void) {
         cmocka_unit_test(test_normals_of_maps_of_any_size),
         cmocka_unit_test(test_phong_normal_beside_a_hole),
     };
-    return cmocka_run_group_tests_name("hits", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("hits", tests, case_begin, case_end);
 }

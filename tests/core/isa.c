@@ -2,9 +2,9 @@
 /* The bounds on instruction sets: the machine's, the user's by CELLWALK_ISA, the program's by cw_isa_limit. The variable is
  * read once a process, so each case is a separate process. */
 
+#include "case.h"
 #include "cellwalk_expert.h"
 #include "check.h"
-#include "rays.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -149,12 +149,9 @@ static bool lower_the_limit(void *context, double done) {
 /* A query goes on with the kernel that it has begun with. */
 static void test_a_limit_does_not_reach_into_a_query(void **state) {
     (void)state;
-    enum { RAYS = 6000 };
-    static test_field shape;
-    static cw_ray rays[RAYS];
     static cw_user_ray user_rays[RAYS];
-    static cw_hit expected[RAYS], got[RAYS];
-    cw_field *field = ray_case(&shape, FIELD_RANDOM, 65, 50, 3, rays, expected, RAYS);
+    static cw_hit got[RAYS];
+    case_begin(state);
     for (size_t k = 0; k < RAYS; k++) user_rays[k] = ray_for_user(&rays[k]);
     for (int user = 0; user < 2; user++) {
         const cw_run run = {.expert.kernel = cw_run_kernel(NULL, NULL), .watch = lower_the_limit};
@@ -165,7 +162,7 @@ static void test_a_limit_does_not_reach_into_a_query(void **state) {
         for (size_t k = 0; k < RAYS; k++) check(hit_same(&got[k], &expected[k]), "ray %zu", k);
     }
     check_status(cw_closest(field, &(cw_run){.expert.isa = CW_ISA_COUNT}, rays, 1, got), CW_ERROR_ARGUMENT);
-    cw_field_destroy(field);
+    case_end(state);
 }
 
 int main(void) {

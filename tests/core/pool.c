@@ -2,9 +2,9 @@
 /* A pool that several threads use at once: each gets the answers that it would get alone, and none waits for ever. */
 
 #include "calls.h"
+#include "case.h"
 #include "cellwalk_expert.h"
 #include "check.h"
-#include "rays.h"
 
 #include <pthread.h>
 #include <semaphore.h>
@@ -13,25 +13,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { RAYS = 20000, CALLERS = 4, THREADS = 4, LIMIT_SECONDS = 120 };
+enum { CALLERS = 4, THREADS = 4, LIMIT_SECONDS = 120 };
 
-static test_field shape;
-static cw_field *field;
-static cw_ray rays[RAYS];
-static cw_hit expected[RAYS], got[CALLERS][RAYS];
+static cw_hit got[CALLERS][RAYS];
 static uint8_t occluded[CALLERS][RAYS];
 
 static int set_up(void **state) {
-    (void)state;
-    field = ray_case(&shape, FIELD_RANDOM, 17, 17, 7, rays, expected, RAYS);
     alarm(LIMIT_SECONDS); /* a deadlock is the end of this process, by a signal */
-    return 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    cw_field_destroy(field);
-    return 0;
+    return case_begin(state);
 }
 
 typedef struct caller {
@@ -319,5 +308,5 @@ int main(void) {
         cmocka_unit_test(each_item_once),       cmocka_unit_test(no_function_is_a_cancellation_point),
         cmocka_unit_test(pools_outlive_a_fork), cmocka_unit_test(fields_outlive_a_fork),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, set_up, case_end);
 }

@@ -77,10 +77,10 @@ static inline void check_status(cw_status got, cw_status wanted) {
 /* A field of a copy of these samples. map: NULL for the identity. */
 static inline cw_field *field_mapped(const float *samples, size_t nx, size_t ny, const double map[3][4]) {
     cw_field_desc desc = {.samples = samples, .nx = nx, .ny = ny};
-    cw_field *field;
+    cw_field *made;
     for (int k = 0; k < 12 && map; k++) desc.map[k / 4][k % 4] = map[k / 4][k % 4];
-    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
-    return field;
+    check_status(cw_field_create(&desc, NULL, &made), CW_OK);
+    return made;
 }
 
 static inline cw_field *field_of(const float *samples, size_t nx, size_t ny) {

@@ -375,16 +375,6 @@ cw_user_ray ray_for_user(const cw_ray *ray) {
     return user;
 }
 
-cw_field *ray_case(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t seed, cw_ray *rays, cw_hit *hits,
-                   size_t n) {
-    random_state r = {seed};
-    field_make(f, shape, nx, ny, seed);
-    cw_field *field = field_open(f);
-    for (size_t k = 0; k < n; k++) rays[k] = ray_make((ray_class)(k % RAY_CLASSES), f, &r);
-    check_status(cw_closest(field, NULL, rays, n, hits), CW_OK);
-    return field;
-}
-
 void ray_print(const cw_ray *ray) {
     printf("ray org {%a, %a, %a} dir {%a, %a, %a} t [%a, %a]\n", (double)ray->org[0], (double)ray->org[1],
            (double)ray->org[2], (double)ray->dir[0], (double)ray->dir[1], (double)ray->dir[2], (double)ray->tmin,

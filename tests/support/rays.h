@@ -38,10 +38,6 @@ cw_ray ray_make(ray_class kind, const test_field *f, random_state *r);
 /* The same ray for a field whose map is the identity. */
 cw_user_ray ray_for_user(const cw_ray *ray);
 
-/* A field, n rays of all classes in turn, and the default kernel's hits. */
-cw_field *ray_case(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t seed, cw_ray *rays, cw_hit *hits,
-                   size_t n);
-
 /* To stdout, components as hexadecimal floats. */
 void ray_print(const cw_ray *ray);
 void hit_print(const char *who, const cw_hit *hit);
