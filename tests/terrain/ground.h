@@ -4,7 +4,7 @@
 #define CELLWALK_TESTS_TERRAIN_GROUND_H
 
 #include "check.h"
-#include "terrain.h"
+#include "sight.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,6 +18,7 @@ typedef struct ground {
     terrain terrain;
     float *z;
     cw_field *field;
+    sight_bounds *bounds;
 } ground;
 
 /* Height in metres at x and y in metres of the map. */
@@ -31,6 +32,7 @@ static inline void ground_take(ground *g, size_t nx, size_t ny, float *z, const 
     check_status(cw_field_create(&desc, NULL, &g->field), CW_OK);
     const terrain_desc t = {.field = g->field, .nx = nx, .ny = ny, .z = z, .map = map};
     assert_true(cw_terrain_init(&g->terrain, &t));
+    check_status(cw_sight_bounds_create(&g->terrain, &g->bounds), CW_OK);
 }
 
 static inline void ground_make(ground *g, size_t nx, size_t ny, ground_height *height, const double *shape) {
@@ -42,8 +44,19 @@ static inline void ground_make(ground *g, size_t nx, size_t ny, ground_height *h
     ground_take(g, nx, ny, z, ground_map);
 }
 
-static inline void ground_free(ground *g) {
+static inline void ground_leave(const ground *g) {
+    cw_sight_bounds_destroy(g->bounds);
     cw_field_destroy(g->field);
+}
+
+/* After samples of z have changed; on the map of ground_make. */
+static inline void ground_change(ground *g) {
+    ground_leave(g);
+    ground_take(g, g->terrain.nx, g->terrain.ny, g->z, ground_map);
+}
+
+static inline void ground_free(ground *g) {
+    ground_leave(g);
     free(g->z);
 }
 

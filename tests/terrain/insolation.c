@@ -154,9 +154,8 @@ static void sums_of_shadows(void **state) {
     const double shape[1] = {400};
     ground g;
     ground_make(&g, SIDE, SIDE, land, shape);
-    cw_field_destroy(g.field);
     g.z[7 * SIDE + 9] = NAN;
-    ground_take(&g, SIDE, SIDE, g.z, ground_map);
+    ground_change(&g);
     const size_t count = suns_of("2024-05-01T00:00:00Z", DAYS, MINUTES, 7, 47, suns);
     for (size_t directions = 0; directions <= 90; directions += 45) {
         static float wanted[SAMPLES];

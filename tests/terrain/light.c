@@ -317,8 +317,6 @@ static void curvature_and_distance(void **state) {
     ground g;
     ground_make(&g, SIDE, SIDE, land, shape);
     random_state r = {77};
-    sight_bounds *bounds = NULL;
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     size_t differ = 0;
     for (size_t k = 0; k < 9; k++) {
         const cw_horizon desc = {
@@ -330,20 +328,19 @@ static void curvature_and_distance(void **state) {
             for (size_t n = 0; n < places; n++) {
                 const outlook o = random_outlook(&g, &r, azimuth_of(&g, &h, d), desc.max_distance);
                 sight s;
-                cw_sight_init(&s, &g.terrain, bounds, o.eye, desc.curvature);
+                cw_sight_init(&s, &g.terrain, g.bounds, o.eye, desc.curvature);
                 const sight_rise rise = cw_sight_steepest(&s, o.end[0], o.end[1], -INFINITY);
                 const double wanted = atan(rise.steepest / o.far) / degree;
                 const double got = (double)angles[o.j * SIDE + o.i];
                 check(rise.steepest == -INFINITY ? isnan(got) : fabs(got - wanted) < allowed,
                       "(%zu, %zu), %g degrees, curvature %g, up to %g m: %g, not %g", o.i, o.j, azimuth_of(&g, &h, d),
                       desc.curvature, desc.max_distance, got, wanted);
-                cw_sight_init(&s, &g.terrain, bounds, o.eye, 0);
+                cw_sight_init(&s, &g.terrain, g.bounds, o.eye, 0);
                 differ += cw_sight_steepest(&s, o.end[0], o.end[1], -INFINITY).steepest != rise.steepest;
             }
         }
     }
     check(differ > 3 * places, "curvature changes %zu horizons", differ);
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -358,8 +355,6 @@ static void distances_of_horizons(void **state) {
     ground g;
     ground_make(&g, SIDE, SIDE, land, shape);
     random_state r = {78};
-    sight_bounds *bounds = NULL;
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     size_t found = 0, near = 0;
     for (size_t k = 0; k < 3; k++) {
         const cw_horizon desc = {.start = 11, .count = 5, .max_distance = distances[k]};
@@ -369,7 +364,7 @@ static void distances_of_horizons(void **state) {
             for (size_t n = 0; n < places; n++) {
                 const outlook o = random_outlook(&g, &r, azimuth_of(&g, &h, d), desc.max_distance);
                 sight s;
-                cw_sight_init(&s, &g.terrain, bounds, o.eye, 0);
+                cw_sight_init(&s, &g.terrain, g.bounds, o.eye, 0);
                 const double steepest = brute_steepest(&s, o.end[0], o.end[1]) / o.far;
                 const double way = (double)metres[o.j * SIDE + o.i], cells = way / o.length, last = SIDE - 1;
                 const double x = fmin(fmax(o.eye[0] + cells * o.dir[0], 0), last),
@@ -385,7 +380,6 @@ static void distances_of_horizons(void **state) {
         }
     }
     check(near > 5 * places / 3 && found - near > 5 * places / 3, "%zu of %zu are near", near, found);
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -452,12 +446,8 @@ static void holes_are_no_ground(void **state) {
     static float share[SAMPLES], angles[SAMPLES];
     ground g;
     ground_make(&g, SIDE, SIDE, wall, shape);
-    ground_free(&g);
-    ground_make(&g, SIDE, SIDE, wall, shape);
-    float *z = g.z;
-    cw_field_destroy(g.field);
-    for (size_t i = 0; i < SIDE; i++) z[MIDDLE * SIDE + i] = NAN; /* the wall is not there */
-    ground_take(&g, SIDE, SIDE, z, ground_map);
+    for (size_t i = 0; i < SIDE; i++) g.z[MIDDLE * SIDE + i] = NAN; /* the wall is not there */
+    ground_change(&g);
     lit_of(&g, 0, 20, lit);
     share_of(&g, &(cw_light){.altitude = 20, .radius = 0.3, .hillshade = true}, NULL, share);
     const cw_horizon h = {.start = 0, .count = 4};

@@ -48,8 +48,7 @@ typedef struct views {
 } views;
 
 /* All that is computed with these limits. */
-static void look(const ground *g, const sight_bounds *bounds, const eye *e, const sight_limits *limits,
-                 const cw_run *query, views *to) {
+static void look(const ground *g, const eye *e, const sight_limits *limits, const cw_run *query, views *to) {
     const viewshed_desc d = {.place = {e->x, e->y},
                              .height = e->height,
                              .absolute = true,
@@ -57,7 +56,7 @@ static void look(const ground *g, const sight_bounds *bounds, const eye *e, cons
                              .curvature = e->curvature,
                              .limits = *limits};
     viewshed *v = NULL;
-    check_status(cw_viewshed_create(&g->terrain, bounds, &d, &v), CW_OK);
+    check_status(cw_viewshed_create(&g->terrain, g->bounds, &d, &v), CW_OK);
     memset(to, 0, sizeof *to);
     check_status(cw_viewshed_see(v, query, (cw_area){0}, &(cw_view){.seen = to->seen}), CW_OK);
     check_status(cw_viewshed_see(v, query, (cw_area){0}, &(cw_view){.angle = to->angles}), CW_OK);
@@ -117,16 +116,14 @@ static void limits_sample_by_sample(void **state) {
     check_status(cw_pool_create(4, &pool), CW_OK);
     for (size_t n = 0; n < 160; n += test_step(7)) {
         ground g;
-        sight_bounds *bounds;
         make_land(&g, &r, (int)(n % 4), n % 3 == 0);
-        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         eye e = {random_between(&r, -5, NX + 5), random_between(&r, -5, NY + 5), random_between(&r, 20, 60),
                  random_between(&r, 0, 5), random_below(&r, 2) ? 0 : 200};
         if (n % 2) e.x = rint(e.x), e.y = rint(e.y);
         const sight_limits none = {0}, l = random_limits(&r);
-        look(&g, bounds, &e, &none, NULL, &all);
-        look(&g, bounds, &e, &l, NULL, &some);
-        look(&g, bounds, &e, &l, &(cw_run){.pool = pool}, &again);
+        look(&g, &e, &none, NULL, &all);
+        look(&g, &e, &l, NULL, &some);
+        look(&g, &e, &l, &(cw_run){.pool = pool}, &again);
         check(memcmp(&some, &again, sizeof some) == 0, "other bits with four threads");
         for (size_t k = 0; k < SAMPLES; k++) {
             if (isnan(g.z[k])) {
@@ -145,7 +142,6 @@ static void limits_sample_by_sample(void **state) {
             seen += wanted;
             left_out += all.seen[k] && !wanted;
         }
-        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
     cw_pool_destroy(pool);
@@ -164,9 +160,7 @@ static void ends_of_limits(void **state) {
     (void)state;
     enum { SIDE = 41, AT = 20 };
     ground g;
-    sight_bounds *bounds;
     ground_make(&g, SIDE, SIDE, level, (double[]){0});
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     const eye e = {AT, AT, 30, 0, 0};
     static const struct {
         sight_limits limits;
@@ -189,7 +183,7 @@ static void ends_of_limits(void **state) {
         const viewshed_desc d = {.place = {e.x, e.y}, .height = e.height, .absolute = true, .limits = cases[c].limits};
         uint16_t seen[SIDE * SIDE] = {0};
         viewshed *v;
-        check_status(cw_viewshed_create(&g.terrain, bounds, &d, &v), CW_OK);
+        check_status(cw_viewshed_create(&g.terrain, g.bounds, &d, &v), CW_OK);
         check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
         cw_viewshed_destroy(v);
         for (long k = 0; k < SIDE * SIDE; k++) {
@@ -219,9 +213,8 @@ static void ends_of_limits(void **state) {
     for (size_t c = 0; c < sizeof wrong / sizeof *wrong; c++) {
         viewshed *v;
         const viewshed_desc d = {.place = {e.x, e.y}, .height = e.height, .absolute = true, .limits = wrong[c]};
-        check_status(cw_viewshed_create(&g.terrain, bounds, &d, &v), CW_ERROR_ARGUMENT);
+        check_status(cw_viewshed_create(&g.terrain, g.bounds, &d, &v), CW_ERROR_ARGUMENT);
     }
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 

@@ -17,9 +17,9 @@ enum { SAMPLES_MOST = 330 * 250 };
 static uint16_t seen[SAMPLES_MOST];
 static float heights[SAMPLES_MOST];
 
-static viewshed *view(const ground *g, const sight_bounds *bounds, const viewshed_desc *d) {
+static viewshed *view(const ground *g, const viewshed_desc *d) {
     viewshed *v = NULL;
-    check_status(cw_viewshed_create(&g->terrain, bounds, d, &v), CW_OK);
+    check_status(cw_viewshed_create(&g->terrain, g->bounds, d, &v), CW_OK);
     return v;
 }
 
@@ -68,11 +68,10 @@ static void check_sample(const ground *g, const viewshed_desc *d, const viewshed
 }
 
 /* All samples of a small field, some of a larger one. */
-static void check_view(const ground *g, const sight_bounds *bounds, const viewshed_desc *d, random_state *r,
-                       tally *sum) {
+static void check_view(const ground *g, const viewshed_desc *d, random_state *r, tally *sum) {
     const size_t nx = g->terrain.nx, all = nx * g->terrain.ny, some = all > 80 ? 80 : all;
     const cw_run query = (cw_run){0};
-    viewshed *v = view(g, bounds, d);
+    viewshed *v = view(g, d);
     count(v, &query);
     for (size_t n = 0; n < some; n++) {
         const size_t k = some == all ? n : random_below(r, all);
@@ -118,9 +117,7 @@ static void every_edge_counts(void **state) {
                 const size_t size = (n + n / 4) % 4, nx = sizes[size][0],
                              ny = sizes[size][1]; /* all sizes, whatever the step */
                 ground g;
-                sight_bounds *bounds = NULL;
                 make_land(&g, nx, ny, rough, &r, maps[n / 4]);
-                check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
                 for (int place = 0; place < 6; place++) {
                     viewshed_desc d = {.height = random_between(&r, 0.5, 30),
                                        .target_height = place % 2 ? random_between(&r, 0, 10) : 0,
@@ -140,9 +137,8 @@ static void every_edge_counts(void **state) {
                     d.absolute = place == 3 || isnan(cw_terrain_height(&g.terrain, d.place[0], d.place[1]));
                     if (d.absolute) d.height += 20;
                     /* Curvature of 3000 earths, that it be seen on a few hundred metres. */
-                    if (test_takes(n + (size_t)place, 3)) check_view(&g, bounds, &d, &r, &sum);
+                    if (test_takes(n + (size_t)place, 3)) check_view(&g, &d, &r, &sum);
                 }
-                cw_sight_bounds_destroy(bounds);
                 ground_free(&g);
             }
     const size_t least = 3000 / step() / test_step(3);
@@ -163,16 +159,13 @@ static void next_to_the_eye(void **state) {
     for (size_t n = 0; n < 9 * 5; n += apart) {
         const double shape[2] = {19 + (double)(n % 3), 19 + (double)(n / 3 % 3)};
         ground g;
-        sight_bounds *bounds = NULL;
         ground_make(&g, 41, 41, spike, shape);
-        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         const viewshed_desc d = {.place = {eyes[n / 9][0], eyes[n / 9][1]}, .height = 5, .absolute = true};
-        viewshed *v = view(&g, bounds, &d);
+        viewshed *v = view(&g, &d);
         count(v, NULL);
         for (size_t j = 0; j < 41; j += 2)
             for (size_t i = 0; i < 41; i += 3) check_sample(&g, &d, v, i, j, &sum);
         cw_viewshed_destroy(v);
-        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
     check(sum.seen > 1000 / apart && sum.hidden > 1000 / apart, "%zu seen, %zu hidden", sum.seen, sum.hidden);
@@ -191,17 +184,14 @@ static void behind_a_tip(void **state) {
     static const double eye[2] = {20.3, 20.2};
     tally sum = {0, 0};
     ground g;
-    sight_bounds *bounds = NULL;
     ground_make(&g, 41, 41, spike_in_a_bowl, eye);
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     const viewshed_desc d = {.place = {eye[0], eye[1]}, .absolute = true};
-    viewshed *v = view(&g, bounds, &d);
+    viewshed *v = view(&g, &d);
     count(v, NULL);
     for (size_t j = 0; j < 41; j++)
         for (size_t i = 0; i < 41; i++) check_sample(&g, &d, v, i, j, &sum);
     assert_true(seen[18 * 41 + 28] == 0 && seen[18 * 41 + 27] == 1 && seen[18 * 41 + 29] == 1);
     cw_viewshed_destroy(v);
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -211,16 +201,14 @@ static void large_views(void **state) {
     random_state r = {77};
     tally sum = {0, 0};
     ground g;
-    sight_bounds *bounds = NULL;
     make_land(&g, 200, 197, SMOOTH, &r, maps[0]);
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     for (size_t n = 0; n < 4; n++) {
         const cw_run query = (cw_run){0};
         const viewshed_desc d = {.place = {random_between(&r, 0, 199), random_between(&r, 0, 196)},
                                  .height = random_between(&r, 1, 40),
                                  .curvature = (double)n};
         if (!test_takes(n, 2)) continue;
-        viewshed *v = view(&g, bounds, &d);
+        viewshed *v = view(&g, &d);
         count(v, &query);
         for (size_t m = 0; m < test_share(1000, 50); m++)
             check_sample(&g, &d, v, random_below(&r, 200), random_below(&r, 197), &sum);
@@ -228,16 +216,14 @@ static void large_views(void **state) {
     }
     check(sum.seen > test_share(100, 5) && sum.hidden > test_share(100, 5), "%zu seen, %zu hidden", sum.seen,
           sum.hidden);
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
 /* What the sweep says of samples without looking at their lines is what their lines say: of one in so many. Returns how many
  * are seen. */
-static size_t lines_seen(const ground *g, const sight_bounds *bounds, const viewshed_desc *d, size_t first,
-                         size_t one_in) {
+static size_t lines_seen(const ground *g, const viewshed_desc *d, size_t first, size_t one_in) {
     const size_t nx = g->terrain.nx, all = nx * g->terrain.ny;
-    viewshed *v = view(g, bounds, d);
+    viewshed *v = view(g, d);
     const sight *s = cw_viewshed_sight(v);
     size_t total = 0;
     memset(seen, 0, sizeof seen);
@@ -263,9 +249,7 @@ static void lines_decide(void **state) {
     random_state r = {31};
     for (roughness rough = 0; rough < ROUGHNESSES; rough++) {
         ground g;
-        sight_bounds *bounds = NULL;
         make_land(&g, NX, NY, rough, &r, maps[0]);
-        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         for (int n = 0; n < PLACES; n++) {
             viewshed_desc d = {.place = {random_between(&r, 0, NX - 1), random_between(&r, 0, 12)},
                                .height = eyes[n],
@@ -276,11 +260,10 @@ static void lines_decide(void **state) {
                 for (int c = 0; c < 2; c++) d.place[c] = floor(d.place[c]);
             const size_t first = random_below(&r, one_in);
             if (!test_takes((size_t)rough * PLACES + (size_t)n, 3)) continue;
-            const size_t total = lines_seen(&g, bounds, &d, first, one_in);
+            const size_t total = lines_seen(&g, &d, first, one_in);
             check(n == 4 || (total > 300 / one_in && total < (NX * NY - 300) / one_in), "land %d: %zu are seen",
                   (int)rough, total);
         }
-        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
 }
@@ -316,13 +299,11 @@ static void needs_are_those_of_lines(void **state) {
     size_t large = 0;
     for (size_t round = 0; round < rounds; round++) {
         ground g;
-        sight_bounds *bounds = NULL;
         make_steps(&g, NX, NY, round % 3 == 0 ? 2000 : 100, &r);
-        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         viewshed_desc d = {.place = {random_between(&r, 0, NX - 1), random_between(&r, 0, NY - 1)},
                            .height = round % 2 == 0 ? 2 : 0.5};
         for (int c = 0; c < 2 && round % 4 != 0; c++) d.place[c] = floor(d.place[c]);
-        viewshed *v = view(&g, bounds, &d);
+        viewshed *v = view(&g, &d);
         const sight *s = cw_viewshed_sight(v);
         check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
         for (size_t k = round % one_in; k < (size_t)NX * NY; k += one_in) {
@@ -335,7 +316,6 @@ static void needs_are_those_of_lines(void **state) {
                   (double)wanted, (double)heights[k]);
         }
         cw_viewshed_destroy(v);
-        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
     check(large > 1000 / one_in, "%zu needs are large", large);
@@ -356,13 +336,11 @@ static void behind_a_joined_piece(void **state) {
     enum { NX = 43, NY = 259 };
     const double shape[1] = {10};
     ground g;
-    sight_bounds *bounds = NULL;
     ground_make(&g, NX, NY, dam_and_shore, shape);
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     const viewshed_desc d = {.place = {9.75, 0}, .absolute = true};
-    const size_t total = lines_seen(&g, bounds, &d, 0, 1);
+    const size_t total = lines_seen(&g, &d, 0, 1);
     check(total > 100, "%zu are seen", total);
-    viewshed *v = view(&g, bounds, &d);
+    viewshed *v = view(&g, &d);
     check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
     for (size_t k = 0; k < (size_t)NX * NY; k++) {
         const double x = (double)(k % NX), y = (double)(k / NX);
@@ -370,7 +348,6 @@ static void behind_a_joined_piece(void **state) {
         check(heights[k] == wanted, "(%g, %g): %.9g m are needed, not %.9g", x, y, (double)wanted, (double)heights[k]);
     }
     cw_viewshed_destroy(v);
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -388,16 +365,13 @@ static void ties(void **state) {
     random_state r = {8};
     for (double kind = 0; kind < 4; kind++) {
         ground g;
-        sight_bounds *bounds = NULL;
         ground_make(&g, 150, 90, touched, &kind);
-        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         for (size_t n = 0; n < 4; n++) {
             viewshed_desc d = {.place = {random_between(&r, 40, 80), random_between(&r, 30, 60)}, .absolute = true};
             d.height = 0.5 * d.place[0] + 0.25 * d.place[1];
             const size_t first = random_below(&r, one_in);
-            if (test_takes((size_t)kind + n, 4)) lines_seen(&g, bounds, &d, first, one_in);
+            if (test_takes((size_t)kind + n, 4)) lines_seen(&g, &d, first, one_in);
         }
-        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
 }
@@ -413,17 +387,14 @@ static void behind_a_lone_sample(void **state) {
     (void)state;
     const double shape[1] = {1};
     ground g;
-    sight_bounds *bounds = NULL;
     ground_make(&g, 41, 31, lone_spike, shape);
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     static const double eyes[][2] = {{4, 10}, {8, 8}, {12, 2}, {9, 7}, {16, 12}, {15, 13}};
     for (size_t n = 0; n < sizeof eyes / sizeof *eyes; n++) {
         const viewshed_desc d = {.place = {eyes[n][0], eyes[n][1]}, .height = 5, .absolute = true};
         const size_t i = (size_t)(24 - eyes[n][0]), j = (size_t)(20 - eyes[n][1]);
-        lines_seen(&g, bounds, &d, 0, 1);
+        lines_seen(&g, &d, 0, 1);
         check(seen[j * 41 + i] == 0 && seen[(j + 2) * 41 + i + 1] == 1, "from (%g, %g)", eyes[n][0], eyes[n][1]);
     }
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -442,10 +413,8 @@ static void a_strip_is_no_square(void **state) {
     for (int along = 0; along < 2; along++) {
         const double shape[1] = {along}, eye = 7;
         ground g;
-        sight_bounds *bounds = NULL;
         ground_make(&g, along ? LENGTH : 2, along ? 2 : LENGTH, strip, shape);
-        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
-        viewshed *v = view(&g, bounds, &(viewshed_desc){.height = eye, .absolute = true});
+        viewshed *v = view(&g, &(viewshed_desc){.height = eye, .absolute = true});
         check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
         double steepest = -(double)INFINITY;
         for (size_t k = 1; k < LENGTH; k++) {
@@ -456,7 +425,6 @@ static void a_strip_is_no_square(void **state) {
             steepest = fmax(steepest, (z - eye) / (double)k);
         }
         cw_viewshed_destroy(v);
-        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
     alarm(0);
@@ -475,12 +443,10 @@ static void horizon_of_the_sea(void **state) {
     (void)state;
     const double shape[1] = {0}, eye = 0.03, curvature = 6.0 / 7;
     ground g;
-    sight_bounds *bounds = NULL;
     ground_make(&g, 200, 200, level, shape);
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     const viewshed_desc d = {.place = {100, 100}, .height = eye, .curvature = curvature};
     const double far = sqrt(2 * g.terrain.radius / curvature * eye);
-    viewshed *v = view(&g, bounds, &d);
+    viewshed *v = view(&g, &d);
     count(v, NULL);
     assert_true(far > 500 && far < 900);
     for (size_t j = 0; j < 200; j++)
@@ -491,7 +457,6 @@ static void horizon_of_the_sea(void **state) {
             if (away > far + 7.2) check(!got, "%g m away is seen; the horizon is at %g m", away, far);
         }
     cw_viewshed_destroy(v);
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -503,12 +468,10 @@ static void views_of_a_plane(void **state) {
     (void)state;
     const double shape[2] = {0.25, -0.5};
     ground g;
-    sight_bounds *bounds = NULL;
     ground_make(&g, 90, 80, plane, shape);
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     for (int below = 0; below < 2; below++) {
         const viewshed_desc d = {.place = {41.25, 37.5}, .height = below ? -0.5 : 0.5};
-        viewshed *v = view(&g, bounds, &d);
+        viewshed *v = view(&g, &d);
         count(v, NULL);
         for (size_t j = 0; j < 80; j++)
             for (size_t i = 0; i < 90; i++) {
@@ -517,7 +480,6 @@ static void views_of_a_plane(void **state) {
             }
         cw_viewshed_destroy(v);
     }
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -532,10 +494,8 @@ static void first_block(void **state) {
     const double shape[2] = {500, 40};
     ground g;
     sight s;
-    sight_bounds *bounds = NULL;
     ground_make(&g, 100, 20, wall, shape);
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
-    cw_sight_init(&s, &g.terrain, bounds, (double[3]){10, 7.5, 20}, 0);
+    cw_sight_init(&s, &g.terrain, g.bounds, (double[3]){10, 7.5, 20}, 0);
     /* The wall's flank rises from 0 at column 49 to 40 at column 50: the line at 20 m meets it halfway, the one at 41 m
      * passes. */
     const double level_line = cw_sight_first_block(&s, 90, 7.5, 20);
@@ -543,7 +503,6 @@ static void first_block(void **state) {
     assert_true(cw_sight_first_block(&s, 90, 7.5, 20 + 2 * 20 + 2 + 1) == INFINITY);
     const double down = cw_sight_first_block(&s, 30, 7.5, -20);
     check(fabs(down - 0.5) < 1e-12, "the ground is met at %.17g of the way", down);
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -553,12 +512,10 @@ static void same_bits_in_threads(void **state) {
     static float heights_alone[SAMPLES_MOST];
     random_state r = {5};
     ground g;
-    sight_bounds *bounds = NULL;
     cw_pool *pool = NULL;
     make_land(&g, 150, 170, ROUGH, &r, maps[0]);
-    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     check_status(cw_pool_create(3, &pool), CW_OK);
-    viewshed *v = view(&g, bounds, &(viewshed_desc){.place = {60, 77.25}, .height = 12, .curvature = 1});
+    viewshed *v = view(&g, &(viewshed_desc){.place = {60, 77.25}, .height = 12, .curvature = 1});
     cw_run query = (cw_run){0};
     count(v, &query);
     memcpy(seen_alone, seen, sizeof seen);
@@ -569,7 +526,6 @@ static void same_bits_in_threads(void **state) {
     assert_memory_equal(heights, heights_alone, sizeof(float) * 150 * 170);
     cw_viewshed_destroy(v);
     cw_pool_destroy(pool);
-    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 

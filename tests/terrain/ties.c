@@ -170,10 +170,8 @@ static void check_view(const ground *g, const viewshed_desc *d, tally *sum) {
     static uint16_t seen[SAMPLES];
     static float need[SAMPLES];
     const terrain *t = &g->terrain;
-    sight_bounds *bounds = NULL;
     viewshed *v = NULL;
-    check_status(cw_sight_bounds_create(t, &bounds), CW_OK);
-    check_status(cw_viewshed_create(t, bounds, d, &v), CW_OK);
+    check_status(cw_viewshed_create(t, g->bounds, d, &v), CW_OK);
     const sight *s = cw_viewshed_sight(v);
     memset(seen, 0, sizeof seen);
     check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
@@ -197,7 +195,6 @@ static void check_view(const ground *g, const viewshed_desc *d, tally *sum) {
         sum->hidden += highest > 0;
     }
     cw_viewshed_destroy(v);
-    cw_sight_bounds_destroy(bounds);
 }
 
 static void make_ground(ground *g, size_t nx, size_t ny, double (*height)(void *context, size_t i, size_t j),
