@@ -5,7 +5,7 @@
 
 /* Each triangle of the grid covers the same half cell, so the area-weighted mean of normals (-x, -y, 1) is the mean of the
  * leans. */
-void cw_terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
+static void find_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
     /* The six triangles, each by the sample that it has beside (i, j) and the next one round the clock. */
     static const int around[7][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, 0}};
     double sum[2] = {0, 0}, count = 0;
@@ -43,7 +43,7 @@ void cw_terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, 
     for (size_t i = from; i < end; i++) {
         if (inside && i > 0 && i + 1 < t->nx && isfinite(x[i - from] + y[i - from])) continue;
         double lean[2];
-        cw_terrain_lean(t, i, j, lean);
+        find_lean(t, i, j, lean);
         x[i - from] = (float)lean[0];
         y[i - from] = (float)lean[1];
     }

@@ -6,10 +6,8 @@
 
 #include "terrain.h"
 
-/* Rise of the surface in a cell along i and j, in the samples' numbers; NaN where there is no triangle. */
-void cw_terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]);
-
-/* The same for count samples of row j, from that one on. */
+/* Rise of the surface in a cell along i and j, in the samples' numbers, at count samples of row j from one on; NaN where there is no
+ * triangle. */
 void cw_terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict x, float *restrict y);
 
 /* Slopes of the surface there, metres in a metre: how it rises eastward and northward. */

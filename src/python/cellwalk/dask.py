@@ -70,6 +70,11 @@ class _Window(NamedTuple):
                 slice(self.column // size, -(-(self.column + self.columns) // size)))
 
 
+def _header(path: str, band: int) -> dict[str, Any]:
+    """Of a raster, without the samples of what has windows."""
+    return _cellwalk.read_raster(path, band, None, 0.0, 0.0, None, None)
+
+
 # ---- what runs in a worker --------------------------------------------------------------------------------------------------
 
 
@@ -204,7 +209,7 @@ class _Raster:
             self.path = os.path.abspath(os.fspath(source)) if "://" not in str(source) and not str(source).startswith("/vsi") else str(source)
             self.input = self.path
             self.band = 0 if band is None else count(band, "band", 1, 65535)
-            columns, rows = _cellwalk.raster_size(self.path, self.band)
+            rows, columns = _header(self.path, self.band)["shape"]
             corner = open_field(self.path, (0, 0, 2, 2), band=band, nodata=nodata, crs=crs, threads=1)
             about = corner._source
         elif hasattr(source, "dims") and hasattr(source, "coords"):
@@ -428,10 +433,10 @@ def _place_of(result, like, shape) -> tuple[Optional[np.ndarray], Optional[str]]
     """Map and coordinate system, from a file or from the result's own coordinates."""
     if like is not None:
         name = os.fspath(like)
-        columns, rows = _cellwalk.raster_size(name, 0)
-        if (rows, columns) != shape:
+        about = _header(name, 0)
+        if about["shape"] != shape:
+            rows, columns = about["shape"]
             raise ValueError(f"like: {name!r} has {rows} x {columns} samples, the result {shape[0]} x {shape[1]}")
-        about = _cellwalk.read_raster(name, 0, None, 0.0, 0.0, (0, 0, min(columns, 2), min(rows, 2)), None)
         return (np.array(about["map"]), about["crs"]) if about["placed"] else (None, None)
     if not hasattr(result, "dims") or any(name not in result.coords for name in result.dims[-2:]):
         return None, None

@@ -73,8 +73,7 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
     bool good = site_take_map(&map, g.map) && (columns == 0 || site_take_map(&whole_map, raster.map));
     PyBuffer_Release(&map);
     PyBuffer_Release(&whole_map);
-    allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
-    py_field *f = good ? (py_field *)allocate(type, 0) : NULL;
+    py_field *f = good ? (py_field *)PyType_GenericAlloc(type, 0) : NULL;
     if (f == NULL) return NULL;
     f->site = g;
     f->nx = (size_t)nx;
@@ -101,8 +100,7 @@ static void field_dealloc(PyObject *self) {
     PyTypeObject *type = Py_TYPE(self);
     cw_field_destroy(f->field);
     if (f->samples.obj != NULL) PyBuffer_Release(&f->samples);
-    freefunc release = (freefunc)PyType_GetSlot(type, Py_tp_free);
-    release(self);
+    PyObject_Free(self);
     Py_DECREF(type);
 }
 

@@ -51,8 +51,7 @@ static PyObject *geotiff_new(PyTypeObject *type, PyObject *arguments, PyObject *
     if (!PyArg_ParseTuple(arguments, "O&nnnsdz*zp:GeoTiff", PyUnicode_FSConverter, &path, &bands, &rows, &columns,
                           &dtype, &p.nodata, &map, &wkt, &compress))
         return NULL;
-    allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
-    py_geotiff *t = (py_geotiff *)allocate(type, 0);
+    py_geotiff *t = (py_geotiff *)PyType_GenericAlloc(type, 0);
     bool good = t != NULL && take_cell(dtype, &p.cell) && (map.obj == NULL || site_take_map(&map, t->map));
     if (good) {
         t->process = getpid();
@@ -141,8 +140,7 @@ static void dealloc(PyObject *self) {
     PyTypeObject *type = Py_TYPE(self);
     close_file((py_geotiff *)self);
     io_georef_free(&((py_geotiff *)self)->georef);
-    freefunc release = (freefunc)PyType_GetSlot(type, Py_tp_free);
-    release(self);
+    PyObject_Free(self);
     Py_DECREF(type);
 }
 

@@ -98,7 +98,7 @@ static PyMethodDef functions[] = {
     {"lon_lat", lon_lat, METH_VARARGS, NULL},
     {"read_raster", read_raster, METH_VARARGS, NULL},
     {"find_scale", find_scale, METH_VARARGS, NULL},
-    {"raster_size", raster_size, METH_VARARGS, NULL},
+
     {NULL, NULL, 0, NULL},
 };
 

@@ -13,14 +13,11 @@ extern PyType_Spec py_raster_spec;
 PyThreadState *raster_enter(void);
 void raster_leave(PyThreadState *state);
 
-/* read_raster(path, band, nodata or None, cellsize, zscale, (column, row, columns, rows) or None, warn, progress) -> a dict that
- * says all of the raster */
+/* read_raster(path, band, nodata or None, cellsize, zscale, (column, row, columns, rows) or None, progress) -> a dict that says all of
+ * the raster: without a window of its header alone, if the format has windows */
 PyObject *read_raster(PyObject *self, PyObject *arguments);
 
 /* find_scale(wkt, map, rows, columns, name) -> (bytes or None, warnings): the scale of a projected map */
 PyObject *find_scale(PyObject *self, PyObject *arguments);
-
-/* raster_size(path, band) -> (columns, rows), without reading the samples of what GDAL reads */
-PyObject *raster_size(PyObject *self, PyObject *arguments);
 
 #endif

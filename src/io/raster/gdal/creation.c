@@ -4,7 +4,6 @@
 #include "parts.h"
 
 #include "cpus.h"
-#include "threads.h"
 
 #include <cpl_error.h>
 #include <cpl_string.h>

@@ -56,6 +56,8 @@ bool gdal_areas(const char *path, const io_points_options *options, const io_mas
 /* Creation options for GDAL, which the caller frees: the program's, replaced by those of the user. side: of a tile. */
 char **gdal_tiff_options(const io_raster_product *product, const size_t side[2]);
 char **gdal_cog_options(const io_raster_product *product);
+/* True if the system lets so many threads, and some more, run beside those that there are. Those tried have ended by the return. */
+bool threads_can_start(unsigned wanted);
 /* Whether GDAL was built with a compression of GeoTIFFs. */
 bool gdal_has_compression(const char *name);
 bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "threads.h"
+/* Whether the system lets this process start threads: GDAL waits for ever for one that cannot start. */
+
+#include "parts.h"
 
 #include "linux.h"
 
