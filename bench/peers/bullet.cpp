@@ -110,5 +110,5 @@ void enter(contender *c, const void *peer, unsigned width, bool) {
 }
 } // namespace
 
-const peer_kind peer_bullet = {"bullet", "libbullet-dev", "present", PEER_ACCELERATED, {1},  {16, 16},
+const peer_kind peer_bullet = {"bullet", "libbullet-dev", "present", BULLET_OPTIONS, {1},  {16, 16},
                                nullptr,  create,          destroy,   bytes_of,         enter};

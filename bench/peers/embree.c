@@ -328,7 +328,7 @@ static void enter(contender *c, const void *peer, unsigned width, bool coherent)
 const peer_kind peer_embree = {.name = "embree",
                                .package = "libembree-dev",
                                .version = RTC_VERSION_STRING,
-                               .options = PEER_GRID | PEER_MEDIUM | PEER_ROBUST,
+                               .options = EMBREE_OPTIONS,
                                .widths = {1, 4, 8, 16},
                                .needs = {260, 50},
                                .has_assertions = has_assertions,

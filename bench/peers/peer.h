@@ -16,6 +16,7 @@ struct io_error;
 
 /* Of a structure: Embree's grid, its default quality instead of its highest, its flag ROBUST; Bullet's accelerator. */
 enum { PEER_GRID = 1, PEER_MEDIUM = 2, PEER_ROBUST = 4, PEER_ACCELERATED = 8, PEER_OPTIONS = 16 };
+enum { EMBREE_OPTIONS = PEER_GRID | PEER_MEDIUM | PEER_ROBUST, BULLET_OPTIONS = PEER_ACCELERATED };
 enum { PEER_KINDS = 2, PEER_WIDTHS = 4 };
 
 typedef struct peer_kind {
