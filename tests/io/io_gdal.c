@@ -318,27 +318,67 @@ static void what_smells_is_said(void **state) {
     io_raster_free(&r);
 }
 
+static const io_raster nowhere = {.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+
+/* Floats where that raster lies. */
+static io_raster_product product_at(const io_raster *r, size_t nx, size_t ny, size_t bands) {
+    return (io_raster_product){.nx = nx,
+                               .ny = ny,
+                               .bands = bands,
+                               .map = (const double(*)[4])r->map,
+                               .georef = &r->georef,
+                               .cell = IO_CELL_FLOAT32};
+}
+
+enum { SIDE = 300, BANDS = 2 };
+static float large[BANDS][SIDE][SIDE];
+
+/* In two bands, with no data and a unit. */
+static io_raster_product large_product(io_raster *r) {
+    make(&(source){.name = "dem.tif", .nx = SIDE, .ny = SIDE});
+    *r = read_well("dem.tif", NULL);
+    for (size_t k = 0; k < (size_t)BANDS * SIDE * SIDE; k++)
+        large[k / (SIDE * SIDE)][k / SIDE % SIDE][k % SIDE] = (float)k * 0.5f;
+    io_raster_product product = product_at(r, SIDE, SIDE, BANDS);
+    product.has_nodata = true;
+    product.nodata = -1;
+    product.unit = "degree";
+    return product;
+}
+
+/* What GDAL finds in a file: where it lies, and all that was written. */
+static GDALDatasetH open_well(const char *name, const double place[6]) {
+    GDALDatasetH file = GDALOpen(name, GA_ReadOnly);
+    assert_non_null(file);
+    double transform[6];
+    assert_int_equal(GDALGetGeoTransform(file, transform), CE_None);
+    for (int k = 0; k < 6; k++) assert_true(transform[k] == place[k]);
+    return file;
+}
+
+static GDALDatasetH open_large(const char *name, const char *compression) {
+    static float back[SIDE][SIDE];
+    GDALDatasetH file = open_well(name, utm);
+    assert_int_equal(GDALGetRasterCount(file), BANDS);
+    for (int b = 0; b < BANDS; b++) {
+        GDALRasterBandH band = GDALGetRasterBand(file, b + 1);
+        assert_int_equal(GDALRasterIO(band, GF_Read, 0, 0, SIDE, SIDE, back, SIDE, SIDE, GDT_Float32, 0, 0), CE_None);
+        assert_memory_equal(back, large[b], sizeof back);
+        assert_true(GDALGetRasterNoDataValue(band, NULL) == -1);
+        assert_string_equal(GDALGetRasterUnitType(band), "degree");
+    }
+    const char *found = GDALGetMetadataItem(file, "COMPRESSION", "IMAGE_STRUCTURE");
+    check(compression ? strcmp(found, compression) == 0 : found == NULL, "%s: %s", name, found);
+    return file;
+}
+
 /* A product in bands, checked by GDAL. */
 static void results_are_whole(void **state) {
     (void)state;
-    enum { SIDE = 300, BANDS = 2 };
-    static float cells[BANDS][SIDE][SIDE];
-    for (size_t k = 0; k < (size_t)BANDS * SIDE * SIDE; k++)
-        cells[k / (SIDE * SIDE)][k / SIDE % SIDE][k % SIDE] = (float)k * 0.5f;
-    make(&(source){.name = "dem.tif", .nx = SIDE, .ny = SIDE});
-    io_raster r = read_well("dem.tif", NULL);
-    static const char *const names[] = {"first", "second"};
-    io_raster_product product = {.nx = SIDE,
-                                 .ny = SIDE,
-                                 .bands = BANDS,
-                                 .cell = IO_CELL_FLOAT32,
-                                 .map = (const double(*)[4])r.map,
-                                 .georef = &r.georef,
-                                 .has_nodata = true,
-                                 .nodata = -1,
-                                 .band_names = names,
-                                 .unit = "degree",
-                                 .notes = (const char *const[]){"SUN_AZIMUTH=225", "TIFFTAG_SOFTWARE=cellwalk", NULL}};
+    io_raster r;
+    io_raster_product product = large_product(&r);
+    product.band_names = (const char *const[]){"first", "second"};
+    product.notes = (const char *const[]){"SUN_AZIMUTH=225", "TIFFTAG_SOFTWARE=cellwalk", NULL};
     static const char *const outputs[] = {"out.tif", "out.npy", "zstd.tif", "plain.TIFF"};
     static const io_compression compressions[] = {IO_DEFLATE, IO_ZSTD, IO_ZSTD, IO_UNCOMPRESSED};
     for (size_t o = 0; o < 4; o++) {
@@ -350,74 +390,39 @@ static void results_are_whole(void **state) {
         for (size_t b = 0; b < BANDS; b++)
             for (size_t j = 0; j < SIDE; j += 128) {
                 const size_t rows = SIDE - j < 128 ? SIDE - j : 128;
-                check(io_raster_write(&w, cells[b][j], rows, &error), "%s", error.text);
+                check(io_raster_write(&w, large[b][j], rows, &error), "%s", error.text);
                 assert_int_not_equal(access(outputs[o], F_OK), 0);
             }
         check(io_raster_commit(&w, &error), "%s", error.text);
         assert_int_equal(access(outputs[o], F_OK), 0);
     }
     io_raster_free(&r);
-    static float back[SIDE][SIDE];
-    for (size_t o = 2; o < 4; o++) {
-        GDALDatasetH other = GDALOpen(outputs[o], GA_ReadOnly);
-        assert_non_null(other);
-        const char *compression = GDALGetMetadataItem(other, "COMPRESSION", "IMAGE_STRUCTURE");
-        check(o == 2 ? strcmp(compression, "ZSTD") == 0 : compression == NULL, "%s", compression);
-        GDALRasterBandH second = GDALGetRasterBand(other, 2);
-        assert_int_equal(GDALRasterIO(second, GF_Read, 0, 0, SIDE, SIDE, back, SIDE, SIDE, GDT_Float32, 0, 0), CE_None);
-        assert_memory_equal(back, cells[1], sizeof back);
-        GDALClose(other);
-    }
-    GDALDatasetH file = GDALOpen("out.tif", GA_ReadOnly);
-    assert_non_null(file);
-    double transform[6], nodata = GDALGetRasterNoDataValue(GDALGetRasterBand(file, 2), NULL);
-    GDALGetGeoTransform(file, transform);
-    for (int k = 0; k < 6; k++) assert_true(transform[k] == utm[k]);
-    assert_true(nodata == -1 && GDALGetRasterCount(file) == BANDS);
+    GDALClose(open_large("zstd.tif", "ZSTD"));
+    GDALClose(open_large("plain.TIFF", NULL));
+    GDALDatasetH file = open_large("out.tif", "DEFLATE");
     assert_string_equal(OSRGetName(GDALGetSpatialRef(file)), "WGS 84 / UTM zone 32N");
-    assert_string_equal(GDALGetMetadataItem(file, "COMPRESSION", "IMAGE_STRUCTURE"), "DEFLATE");
     assert_string_equal(GDALGetDescription(GDALGetRasterBand(file, 2)), "second");
-    assert_string_equal(GDALGetRasterUnitType(GDALGetRasterBand(file, 2)), "degree");
     assert_string_equal(GDALGetMetadataItem(file, "SUN_AZIMUTH", NULL), "225");
     assert_string_equal(GDALGetMetadataItem(file, "TIFFTAG_SOFTWARE", NULL), "cellwalk");
     int across, down;
     GDALGetBlockSize(GDALGetRasterBand(file, 1), &across, &down);
     assert_true(across == 160 && down == 160); /* twice that is more than 300, by less than two tiles of 256 are */
-    for (int b = 1; b <= BANDS; b++) {
-        assert_int_equal(
-            GDALRasterIO(GDALGetRasterBand(file, b), GF_Read, 0, 0, SIDE, SIDE, back, SIDE, SIDE, GDT_Float32, 0, 0),
-            CE_None);
-        assert_memory_equal(back, cells[b - 1], sizeof back);
-    }
     GDALClose(file);
     size_t size;
     char *npy = scratch_read("out.npy", &size);
     check(strstr(npy + 10, "'shape': (2, 300, 300)") != NULL, "%s", npy + 10);
-    assert_memory_equal(npy + size - sizeof cells, cells, sizeof cells);
+    assert_memory_equal(npy + size - sizeof large, large, sizeof large);
     free(npy);
 }
 
 /* A COG has smaller copies that come first; it is made beside scratch files, which go. */
 static void results_are_cogs(void **state) {
     (void)state;
-    enum { SIDE = 300, BANDS = 2 };
-    static float cells[BANDS][SIDE][SIDE], back[SIDE][SIDE];
-    for (size_t k = 0; k < (size_t)BANDS * SIDE * SIDE; k++)
-        cells[k / (SIDE * SIDE)][k / SIDE % SIDE][k % SIDE] = (float)k * 0.5f;
-    make(&(source){.name = "dem.tif", .nx = SIDE, .ny = SIDE});
-    io_raster r = read_well("dem.tif", NULL);
+    io_raster r;
+    io_raster_product product = large_product(&r);
     static const char *const creation[] = {"BLOCKSIZE=128", "COMPRESS=LZW", "PREDICTOR=NO"};
-    io_raster_product product = {.nx = SIDE,
-                                 .ny = SIDE,
-                                 .bands = BANDS,
-                                 .cell = IO_CELL_FLOAT32,
-                                 .map = (const double(*)[4])r.map,
-                                 .georef = &r.georef,
-                                 .has_nodata = true,
-                                 .nodata = -1,
-                                 .unit = "degree",
-                                 .cog = true,
-                                 .creation = creation};
+    product.cog = true;
+    product.creation = creation;
     io_error error = {""};
     const size_t entries = scratch_entries();
     for (size_t c = 0; c < 4; c += 3) {
@@ -425,32 +430,19 @@ static void results_are_cogs(void **state) {
         check(io_raster_check_creation(creation, c, true, &error), "%s", error.text);
         io_raster_writer w;
         check(io_raster_create(&w, "cog.tif", &product, &error), "%s", error.text);
-        for (size_t b = 0; b < BANDS; b++) check(io_raster_write(&w, cells[b], SIDE, &error), "%s", error.text);
+        for (size_t b = 0; b < BANDS; b++) check(io_raster_write(&w, large[b], SIDE, &error), "%s", error.text);
         check(io_raster_commit(&w, &error), "%s", error.text);
         assert_int_equal(scratch_entries(), entries + 1);
-        GDALDatasetH file = GDALOpen("cog.tif", GA_ReadOnly);
-        assert_non_null(file);
+        GDALDatasetH file = open_large("cog.tif", c ? "LZW" : "DEFLATE");
         assert_string_equal(GDALGetMetadataItem(file, "LAYOUT", "IMAGE_STRUCTURE"), "COG");
-        assert_string_equal(GDALGetMetadataItem(file, "COMPRESSION", "IMAGE_STRUCTURE"), c ? "LZW" : "DEFLATE");
         assert_int_equal(GDALGetOverviewCount(GDALGetRasterBand(file, 2)), c ? 2 : 0);
-        double transform[6];
-        GDALGetGeoTransform(file, transform);
-        for (int k = 0; k < 6; k++) assert_true(transform[k] == utm[k]);
-        assert_true(GDALGetRasterNoDataValue(GDALGetRasterBand(file, 2), NULL) == -1);
-        assert_string_equal(GDALGetRasterUnitType(GDALGetRasterBand(file, 2)), "degree");
-        for (int b = 0; b < BANDS; b++) {
-            GDALRasterBandH band = GDALGetRasterBand(file, b + 1);
-            assert_int_equal(GDALRasterIO(band, GF_Read, 0, 0, SIDE, SIDE, back, SIDE, SIDE, GDT_Float32, 0, 0),
-                             CE_None);
-            assert_memory_equal(back, cells[b], sizeof back);
-        }
         GDALClose(file);
         assert_int_equal(unlink("cog.tif"), 0);
     }
     /* Rows that are missing leave nothing. */
     io_raster_writer w;
     check(io_raster_create(&w, "cog.tif", &product, &error), "%s", error.text);
-    assert_true(io_raster_write(&w, cells[0], SIDE, &error));
+    assert_true(io_raster_write(&w, large[0], SIDE, &error));
     assert_false(io_raster_commit(&w, &error));
     assert_int_equal(scratch_entries(), entries);
     io_raster_free(&r);
@@ -459,20 +451,13 @@ static void results_are_cogs(void **state) {
 /* What may grow beyond 4 GB has the large header from the beginning. */
 static void large_files_are_bigtiff(void **state) {
     (void)state;
-    const io_georef nowhere = {0};
-    static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
     static const size_t sides[] = {1000, 40000};
     for (size_t k = 0; k < 2; k++) {
         /* GDAL would fill in what is not written. */
         static const char *const creation[] = {"SPARSE_OK=TRUE"};
-        const io_raster_product product = {.nx = sides[k],
-                                           .ny = sides[k],
-                                           .bands = 1,
-                                           .cell = IO_CELL_FLOAT32,
-                                           .map = identity,
-                                           .georef = &nowhere,
-                                           .creation = creation,
-                                           .creation_count = 1};
+        io_raster_product product = product_at(&nowhere, sides[k], sides[k], 1);
+        product.creation = creation;
+        product.creation_count = 1;
         io_raster_writer w;
         io_error error = {""};
         check(io_raster_create(&w, "large.tif", &product, &error), "%s", error.text);
@@ -497,25 +482,16 @@ static void pictures_have_a_place(void **state) {
     static const double turned[6] = {1000, 3, 4, 2000, 4, -3};
     make(&(source){.name = "turned.tif", .transform = turned});
     io_raster r = read_well("turned.tif", NULL);
-    const io_raster_product product = {.nx = NX,
-                                       .ny = NY,
-                                       .bands = 1,
-                                       .cell = IO_CELL_UINT8,
-                                       .map = (const double(*)[4])r.map,
-                                       .georef = &r.georef,
-                                       .white = 1};
+    io_raster_product product = product_at(&r, NX, NY, 1);
+    product.cell = IO_CELL_UINT8;
+    product.white = 1;
     io_raster_writer w;
     io_error error = {""};
     check(io_raster_create(&w, "out.png", &product, &error), "%s", error.text);
     check(io_raster_write(&w, cells, NY, &error), "%s", error.text);
     assert_true(access("out.png", F_OK) != 0 && access("out.pgw", F_OK) != 0);
     check(io_raster_commit(&w, &error), "%s", error.text);
-    GDALDatasetH file = GDALOpen("out.png", GA_ReadOnly);
-    assert_non_null(file);
-    double transform[6];
-    assert_int_equal(GDALGetGeoTransform(file, transform), CE_None);
-    for (int k = 0; k < 6; k++) assert_true(transform[k] == turned[k]);
-    GDALClose(file);
+    GDALClose(open_well("out.png", turned));
     /* Rows that are missing leave what was there. */
     const size_t entries = scratch_entries();
     scratch_write("out.pgw", "old", 3);
@@ -535,17 +511,9 @@ static void pictures_have_a_place(void **state) {
 
 static void results_are_pictures(void **state) {
     (void)state;
-    const io_georef nowhere = {0};
-    static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
     static const float cells[N] = {NAN, -5, 0, 1, 2, 3, 4, 5, 10, 11};
-    const io_raster_product product = {.nx = NX,
-                                       .ny = NY,
-                                       .bands = 1,
-                                       .cell = IO_CELL_FLOAT32,
-                                       .map = identity,
-                                       .georef = &nowhere,
-                                       .black = 0,
-                                       .white = 10};
+    io_raster_product product = product_at(&nowhere, NX, NY, 1);
+    product.white = 10;
     io_raster_writer w;
     io_error error = {""};
     check(io_raster_create(&w, "out.png", &product, &error), "%s", error.text);

@@ -154,19 +154,6 @@ def test_bad_fields(name, made, part):
     cannot_trace(name, "rays.npy", part)
 
 
-RED = b"\33[31mred\7\r\302\233m\177.asc"
-
-
-@pytest.mark.parametrize("words", [("info", os.fsdecode(RED)), ("info", "word.asc"), ("info", "a.pbrt"), ("info", "--kernel", os.fsdecode(RED)),
-                                   ("info", "field.npy", os.fsdecode(RED)), (os.fsdecode(RED),)], ids=range(6))
-def test_messages_hold_no_commands(words):
-    """Nothing in a file's name or text commands the terminal that shows the message."""
-    write("word.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 \33]0;title\7\n")
-    write("a.pbrt", b'Shape "\33[2J\302\233"\n')
-    done = run(*words)
-    assert done.status != 0 and done.err.replace("\n", "").isprintable() and done.err
-
-
 # ---- outputs --------------------------------------------------------------------------------------------------------------
 
 

@@ -95,6 +95,7 @@ def test_fields_of_every_kind():
 def test_options_and_outputs():
     check_text(HOSTILE, "x")
     check_text(b"--" + HOSTILE, "x")
+    check_text("info", "z.npy", HOSTILE)
     for table in b"o.csv", HOSTILE + b".csv", HOSTILE + b".geojson":
         check_text("viewshed", "z.npy", "--observers", table, "-o", "out.npy")
         check_text("los", "z.npy", "--pairs", table, "-o", "out.csv")
