@@ -32,8 +32,6 @@ static bool is_hit(const cw_field *f, const cw_hit *hit) {
            hit->triangle <= CW_TRIANGLE_B;
 }
 
-static void set_nan(double v[3]) { v[0] = v[1] = v[2] = (double)NAN; }
-
 /* Barycentric weights of the hit's three vertices and the vertices themselves. */
 static void vertices(const cw_hit *hit, size_t vertex[3][2], double weight[3]) {
     const size_t i = (size_t)hit->i, j = (size_t)hit->j;
@@ -58,10 +56,6 @@ static void position(const cw_hit *hit, double xy[2]) {
 }
 
 static void point_of(const cw_field *field, const cw_hit *hit, double point[3]) {
-    if (!is_hit(field, hit)) {
-        set_nan(point);
-        return;
-    }
     size_t vertex[3][2];
     double weight[3], p[3] = {0, 0, 0};
     vertices(hit, vertex, weight);
@@ -71,10 +65,6 @@ static void point_of(const cw_field *field, const cw_hit *hit, double point[3]) 
 }
 
 static void normal_of(const cw_field *field, const cw_hit *hit, double normal[3]) {
-    if (!is_hit(field, hit)) {
-        set_nan(normal);
-        return;
-    }
     double slope[2];
     slopes(field, (size_t)hit->i, (size_t)hit->j, hit->triangle, slope);
     affine_covector(field->to_normals, (double[3]){-slope[0], -slope[1], 1}, normal);
@@ -120,10 +110,6 @@ static void vertex_normal(const cw_field *f, size_t i, size_t j, double n[3]) {
 }
 
 static void phong_normal_of(const cw_field *f, const cw_hit *hit, double normal[3]) {
-    if (!is_hit(f, hit)) {
-        set_nan(normal);
-        return;
-    }
     size_t vertex[3][2];
     double weight[3], n[3][3], mean[3];
     vertices(hit, vertex, weight);
@@ -136,20 +122,19 @@ static void phong_normal_of(const cw_field *f, const cw_hit *hit, double normal[
 
 /* ---- of many hits ------------------------------------------------------------------------------------------------ */
 
-static void points_of(void *context, size_t begin, size_t end) {
-    const cw_batch *b = context;
-    for (size_t k = begin; k < end; k++) point_of(b->field, (const cw_hit *)b->in + k, (double *)b->out + 3 * k);
+/* Three numbers of each hit; NaN if the field does not have its triangle. */
+typedef void of_hit(const cw_field *field, const cw_hit *hit, double v[3]);
+static inline void of_each(const cw_batch *b, size_t begin, size_t end, of_hit *of) {
+    for (size_t k = begin; k < end; k++) {
+        const cw_hit *hit = (const cw_hit *)b->in + k;
+        double *v = (double *)b->out + 3 * k;
+        v[0] = v[1] = v[2] = (double)NAN;
+        if (is_hit(b->field, hit)) of(b->field, hit, v);
+    }
 }
-
-static void normals_of(void *context, size_t begin, size_t end) {
-    const cw_batch *b = context;
-    for (size_t k = begin; k < end; k++) normal_of(b->field, (const cw_hit *)b->in + k, (double *)b->out + 3 * k);
-}
-
-static void phong_normals_of(void *context, size_t begin, size_t end) {
-    const cw_batch *b = context;
-    for (size_t k = begin; k < end; k++) phong_normal_of(b->field, (const cw_hit *)b->in + k, (double *)b->out + 3 * k);
-}
+static void points_of(void *context, size_t begin, size_t end) { of_each(context, begin, end, point_of); }
+static void normals_of(void *context, size_t begin, size_t end) { of_each(context, begin, end, normal_of); }
+static void phong_normals_of(void *context, size_t begin, size_t end) { of_each(context, begin, end, phong_normal_of); }
 
 cw_status cw_hit_points(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *points) {
     return cw_run_batch(&(cw_batch){field, points_of, "hits", "hits", hits, "points", points}, run, n);

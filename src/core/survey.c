@@ -6,11 +6,8 @@
 #include <math.h>
 
 static cw_status refused(size_t i, size_t j, float z) {
-    if (isfinite(z))
-        return cw_fail(CW_ERROR_SAMPLE, "sample (%zu, %zu) is %g; heights lie within plus or minus 2^100", i, j,
-                       (double)z);
-    return cw_fail(CW_ERROR_SAMPLE, "sample (%zu, %zu) is %g; borrowed samples mark holes by NaN alone", i, j,
-                   (double)z);
+    return cw_fail(CW_ERROR_SAMPLE, "sample (%zu, %zu) is %g; %s", i, j, (double)z,
+                   isfinite(z) ? "heights lie within plus or minus 2^100" : "borrowed samples mark holes by NaN alone");
 }
 
 cw_status cw_refusal_status(const cw_field *f, cw_refusal *refusal) {
