@@ -89,11 +89,6 @@ static inline void keep_hits(found_hits *h, bool first, vmask now, const vfind *
     h->h11 = vf_select(now, c->h11, h->h11);
 }
 
-/* Lanes among which the cell is hit. */
-CW_INLINE vmask leaf_test(cw_leaf leaf, const vray *r, const vcell *c, vmask among, vfind *find) {
-    return leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, among, find) : mt_cell(r, c, among, find);
-}
-
 /* Tests the cell of each living lane and steps to the next one. cleared: l->hit is defined before the first hit. */
 CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any, bool cleared) {
     const vray *r = &l->r;
@@ -105,7 +100,8 @@ CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any, b
     const vmask candidates = vm_and(l->alive, cell_gate(r, c));
     if (vm_any(candidates)) {
         vfind find;
-        const vmask now = leaf_test(leaf, r, c, candidates, &find);
+        const vmask now =
+            leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, candidates, &find) : mt_cell(r, c, candidates, &find);
         if (!any && vm_any(now)) keep_hits(&l->hit, !cleared && !vm_any(l->found), now, &find, c);
         l->found = vm_or(l->found, now);
         l->alive = vm_andnot(l->alive, now);

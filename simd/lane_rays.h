@@ -30,8 +30,12 @@ static inline void mirror_axis(float f[RAY_AXIS][W], int32_t turned[W], const va
     vi_store(turned, vi_select(a->up, vi_set(0), vi_set(-1)));
 }
 
-/* Makes W rays ready for walks. */
-static inline void mirror_rays(ready_rays *s, const vray *r, const cw_field *f) {
+/* Makes W rays ready for walks: those of packet p of the present tile, number first_packet + p of the queue. Called only for rays
+ * that go on alone, which saves more instructions for coherent rays than it costs for the others (papers/walks.md). */
+CW_INLINE void mirror_packet(lane_queue *q, size_t first_packet, size_t p, const vray *r, const cw_field *f) {
+    if (q->mirrored >> p & 1) return;
+    q->mirrored |= (uint64_t)1 << p;
+    ready_rays *s = &q->ready[first_packet + p];
     mirror_axis(s->f, s->i[RAY_TURNED_X], &r->x, f->nx);
     mirror_axis(s->f + RAY_AXIS, s->i[RAY_TURNED_Y], &r->y, f->ny);
     /* Slabs have room for the rounding of rays that begin within the field, and of the watertight test
@@ -56,14 +60,6 @@ static inline void mirror_rays(ready_rays *s, const vray *r, const cw_field *f) 
     vf_store(s->f[RAY_UNTIL], r->until);
     vf_store(s->f[RAY_T0], r->t0);
     vf_store(s->f[RAY_T1], r->t1);
-}
-
-/* The same for packet p of the present tile, number first_packet + p of the queue. Called only for rays that go on
- * alone, which saves more instructions for coherent rays than it costs for the others (papers/walks.md). */
-CW_INLINE void mirror_packet(lane_queue *q, size_t first_packet, size_t p, const vray *r, const cw_field *f) {
-    if (q->mirrored >> p & 1) return;
-    q->mirrored |= (uint64_t)1 << p;
-    mirror_rays(&q->ready[first_packet + p], r, f);
 }
 
 /* Low corner, mirrored, of the node of the given side that the rays are in at t, or of an earlier one. */

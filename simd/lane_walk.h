@@ -111,9 +111,6 @@ typedef struct lane_state {
     vmask alive;
 } lane_state;
 
-/* Clears all lanes, since empty lanes take part in every operation. */
-CW_INLINE void lane_clear(lane_set *l) { memset(l, 0, sizeof *l); }
-
 /* Copies a ray that has been made ready into a lane, in loops of at most 16 turns, which compilers unroll. */
 static inline void copy_ray(lane_rays *to, size_t lane, const ready_rays *from, size_t k) {
     for (int c = 0; c < RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
@@ -340,7 +337,7 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, lane_answers *
  * one works while the other waits for its bounds or samples. Their state goes through memory, which costs more than
  * the waiting in all but the largest fields (papers/walks.md). */
 CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers) {
-    if (l->living == 0 && queue->n > 0) lane_clear(l);
+    if (l->living == 0 && queue->n > 0) memset(l, 0, sizeof *l); /* empty lanes take part in every operation */
     for (size_t next = 0;;) {
         for (unsigned empty = ~l->living & first_lanes(LANES); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);

@@ -226,7 +226,7 @@ CW_INLINE void make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
 
 /* Returns the lanes that may hit; if there are none, the slab is not computed. *start is set only if r->moved, for
  * refine_hits. */
-CW_INLINE vmask make_rays_for(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
+CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
     vstart s;
     vmask alive = start_rays(&s, f, rays, start);
     alive = vm_and(alive, make_axis(&r->x, s.org[0], s.dir[0], f->nx, s.plain));
@@ -243,17 +243,6 @@ CW_INLINE vmask make_rays_for(vray *r, const cw_field *f, const cw_ray *rays, cw
     else
         r->from = r->until = r->t0;
     return alive;
-}
-
-/* One function for each leaf test, shared by its callers. */
-static inline vmask make_rays_wt(vray *r, const cw_field *f, const cw_ray *rays, vstart *start) {
-    return make_rays_for(r, f, rays, CW_LEAF_WATERTIGHT, start);
-}
-static inline vmask make_rays_mt(vray *r, const cw_field *f, const cw_ray *rays, vstart *start) {
-    return make_rays_for(r, f, rays, CW_LEAF_MOLLER_TRUMBORE, start);
-}
-CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
-    return leaf == CW_LEAF_WATERTIGHT ? make_rays_wt(r, f, rays, start) : make_rays_mt(r, f, rays, start);
 }
 
 #endif

@@ -123,20 +123,18 @@ CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, flo
     second->v = vuzp2q_f32(low, high);
 }
 
-/* Columns of the 4 × 4 floats of which a, b, c and d are the rows. */
-CW_INLINE void transpose(float32x4_t a, float32x4_t b, float32x4_t c, float32x4_t d, float_reg out[4]) {
-    const float64x2_t ab_even = vreinterpretq_f64_f32(vtrn1q_f32(a, b)),
-                      ab_odd = vreinterpretq_f64_f32(vtrn2q_f32(a, b));
-    const float64x2_t cd_even = vreinterpretq_f64_f32(vtrn1q_f32(c, d)),
-                      cd_odd = vreinterpretq_f64_f32(vtrn2q_f32(c, d));
-    out[0].v = vreinterpretq_f32_f64(vzip1q_f64(ab_even, cd_even));
-    out[1].v = vreinterpretq_f32_f64(vzip1q_f64(ab_odd, cd_odd));
-    out[2].v = vreinterpretq_f32_f64(vzip2q_f64(ab_even, cd_even));
-    out[3].v = vreinterpretq_f32_f64(vzip2q_f64(ab_odd, cd_odd));
-}
-
+/* A 4 × 4 transpose. */
 CW_INLINE void rf_load_quads(const float *const at[4], float_reg out[4]) {
-    transpose(vld1q_f32(at[0]), vld1q_f32(at[1]), vld1q_f32(at[2]), vld1q_f32(at[3]), out);
+    float64x2_t even[2], odd[2];
+    for (int h = 0; h < 2; h++) {
+        const float32x4_t a = vld1q_f32(at[2 * h]), b = vld1q_f32(at[2 * h + 1]);
+        even[h] = vreinterpretq_f64_f32(vtrn1q_f32(a, b));
+        odd[h] = vreinterpretq_f64_f32(vtrn2q_f32(a, b));
+    }
+    out[0].v = vreinterpretq_f32_f64(vzip1q_f64(even[0], even[1]));
+    out[1].v = vreinterpretq_f32_f64(vzip1q_f64(odd[0], odd[1]));
+    out[2].v = vreinterpretq_f32_f64(vzip2q_f64(even[0], even[1]));
+    out[3].v = vreinterpretq_f32_f64(vzip2q_f64(odd[0], odd[1]));
 }
 CW_INLINE void rf_gather_quads(const float *base, int_reg index, mask_reg m, float_reg out[4]) {
     const lane_indices k = lanes_out(index, m);
