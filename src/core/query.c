@@ -26,7 +26,7 @@ typedef struct job {
     cw_run how;
     bool single;           /* one ray, for which the library chooses the kernel */
     cw_short_fn *if_short; /* the first attempt for few rays, or NULL */
-    cw_hit *hits;          /* of cw_closest */
+    cw_hit *hits;          /* of cw_closest; else NULL */
     uint8_t *occluded;     /* of cw_occluded */
 } job;
 
@@ -82,52 +82,44 @@ static void work_on_many(void *context, size_t begin, size_t end) {
 }
 
 /* An update may drop a structure, so its presence is checked behind the door. */
-static cw_status query(job *q, const cw_run *run, const void *out, const char *out_name, size_t n) {
-    if (q->field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
-    if (n > 0 && q->rays == NULL && q->user_rays == NULL)
-        return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
-    if (n > 0 && out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu rays", out_name, n);
-    cw_status status = cw_run_begin(run, &q->how);
-    const bool forced = q->how.expert.kernel != NULL;
-    if (status == CW_OK) status = cw_run_settle(&q->how, n);
+static cw_status query(const cw_field *field, const cw_run *run, const cw_ray *rays, const cw_user_ray *user_rays,
+                       size_t n, cw_hit *hits, uint8_t *occluded, const char *out_name) {
+    if (field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
+    if (n > 0 && rays == NULL && user_rays == NULL) return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
+    if (n > 0 && hits == NULL && occluded == NULL)
+        return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu rays", out_name, n);
+    job q; /* no initialiser: it would clear how first */
+    q.field = field, q.rays = rays, q.user_rays = user_rays, q.hits = hits, q.occluded = occluded;
+    cw_status status = cw_run_begin(run, &q.how);
+    const bool forced = q.how.expert.kernel != NULL;
+    if (status == CW_OK) status = cw_run_settle(&q.how, n);
     if (status != CW_OK) return status;
-    q->single = n == 1 && !forced;
+    q.single = n == 1 && !forced;
     /* Short rays gain by a wider vector one ray later than others do. */
-    q->if_short =
-        n > 1 && n <= CW_FEW_RAYS && !forced ? cw_kernel_default(q->how.expert.isa, n > 2 ? n - 1 : n)->if_short : NULL;
-    if (n < SHARED) q->how.pool = NULL;
-    const door_pass in = door_enter(&q->field->door);
+    q.if_short =
+        n > 1 && n <= CW_FEW_RAYS && !forced ? cw_kernel_default(q.how.expert.isa, n > 2 ? n - 1 : n)->if_short : NULL;
+    if (n < SHARED) q.how.pool = NULL;
+    const door_pass in = door_enter(&q.field->door);
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
-    cw_work_fn *const how = q->user_rays == NULL ? work : n <= CW_FEW_RAYS ? work_on_few : work_on_many;
-    status = cw_run_built(q->field, &q->how);
-    if (status == CW_OK) status = cw_run_work(&q->how, n, q->user_rays ? BLOCK : LEAST, MOST, how, q);
+    cw_work_fn *const how = q.user_rays == NULL ? work : n <= CW_FEW_RAYS ? work_on_few : work_on_many;
+    status = cw_run_built(q.field, &q.how);
+    if (status == CW_OK) status = cw_run_work(&q.how, n, q.user_rays ? BLOCK : LEAST, MOST, how, &q);
     door_leave(in);
     return status;
 }
 
 cw_status cw_closest(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits) {
-    job q;
-    q.field = field, q.rays = rays, q.user_rays = NULL, q.hits = hits;
-    return query(&q, run, hits, "hits", n);
+    return query(field, run, rays, NULL, n, hits, NULL, "hits");
 }
-
 cw_status cw_occluded(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    job q;
-    q.field = field, q.rays = rays, q.user_rays = NULL, q.hits = NULL, q.occluded = occluded;
-    return query(&q, run, occluded, "occluded", n);
+    return query(field, run, rays, NULL, n, NULL, occluded, "occluded");
 }
-
 cw_status cw_closest_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n, cw_hit *hits) {
-    job q;
-    q.field = field, q.rays = NULL, q.user_rays = rays, q.hits = hits;
-    return query(&q, run, hits, "hits", n);
+    return query(field, run, NULL, rays, n, hits, NULL, "hits");
 }
-
 cw_status cw_occluded_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n,
                            uint8_t *occluded) {
-    job q;
-    q.field = field, q.rays = NULL, q.user_rays = rays, q.hits = NULL, q.occluded = occluded;
-    return query(&q, run, occluded, "occluded", n);
+    return query(field, run, NULL, rays, n, NULL, occluded, "occluded");
 }
 
 /* ---- rays alone -------------------------------------------------------------------------------------------------- */
