@@ -82,9 +82,9 @@ static void tell(void *context, double share) {
     progress_show("rendering", share);
 }
 
-/* Renders and writes; the output file was opened before, so that no work is done in vain. */
-static int render(const render_command *c, const char *path, scene *s, const cw_run *query, render_times times,
-                  double begun, io_output *out) {
+/* The output file is opened first, so that no work is done in vain. */
+static int render(const render_command *c, const char *path, scene *s, const cw_run *query, double begun) {
+    render_times times = {.load = clock_seconds() - begun};
     const scene_render_options options = {.query = *query,
                                           .threads = c->query.threads,
                                           .samples = c->samples,
@@ -95,21 +95,16 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
                                           .phong = c->phong,
                                           .cancel = cancel_flag(),
                                           .progress = c->quiet ? NULL : tell};
+    io_output out;
     io_image image;
     io_error error;
     scene_render_stats stats;
-    const bool rendered = scene_render(s, &options, &image, &stats, &error);
+    if (!io_output_open(&out, c->output, &error)) return command_fail(name, "%s", error.text);
+    bool good = scene_render(s, &options, &image, &stats, &error);
     progress_end();
-    if (!rendered) {
-        io_output_discard(out);
-        return command_fail(name, "%s", error.text);
-    }
     const double start = clock_seconds();
-    bool good = io_image_put(out, &image, &error);
-    if (good)
-        good = io_output_commit(out, &error);
-    else
-        io_output_discard(out);
+    good = good && io_image_put(&out, &image, &error) && io_output_commit(&out, &error);
+    io_output_discard(&out); /* nothing after the commit */
     times.write = clock_seconds() - start;
     /* Every visible point of the ground traces a shadow ray, of water a mirrored one. */
     if (good && c->terrain && !c->quiet && stats.shadow_rays + stats.mirror_rays == 0)
@@ -122,20 +117,12 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
     return good ? EXIT_SUCCESS : command_fail(name, "%s", error.text);
 }
 
-static int render_to_file(const render_command *c, const char *path, scene *s, const cw_run *query, double start) {
-    const render_times times = {.load = clock_seconds() - start};
-    io_error error;
-    io_output out;
-    return io_output_open(&out, c->output, &error) ? render(c, path, s, query, times, start, &out)
-                                                   : command_fail(name, "%s", error.text);
-}
-
 static int render_scene(const render_command *c, const char *path, const cw_run *query) {
     io_error error;
     const double start = clock_seconds();
     scene *s = scene_load(path, c->quiet ? NULL : warn, NULL, &error);
     if (s == NULL) return command_fail(name, "%s", error.text);
-    const int status = render_to_file(c, path, s, query, start);
+    const int status = render(c, path, s, query, start);
     scene_free(s);
     return status;
 }
@@ -145,7 +132,7 @@ static int render_terrain(render_command *c, const char *path, const cw_run *que
     int status;
     view *v = view_open(&c->view, path, query, c->width, c->height, c->phong, c->quiet, &status);
     if (v == NULL) return status;
-    status = render_to_file(c, path, view_scene(v), query, start);
+    status = render(c, path, view_scene(v), query, start);
     view_close(v);
     return status;
 }
