@@ -5,29 +5,37 @@
 
 #include "flat_walk.h"
 #include "kernels.h"
+#include "short_way.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Walks the first n of W rays to their ends. start: see make_rays. False if one goes over more than so many cells. */
+/* Walks the first n of W rays to their ends. start: see make_rays. If only short ones are wanted (short_way.h), false if one is not. */
 CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
-                           float cells, vstart *start) {
+                           bool if_short, vstart *start) {
     l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, leaf, start));
-    const vfloat speed = vf_add(vf_abs(l->r.x.dir), vf_abs(l->r.y.dir));
-    const vfloat way = vf_mul(vf_sub(l->r.until, l->r.from), speed);
-    if (vm_any(vm_and(l->alive, vf_gt(way, vf_set(cells))))) return false;
+    size_t turns = SIZE_MAX;
+    if (if_short) {
+        const vfloat speed = vf_add(vf_abs(l->r.x.dir), vf_abs(l->r.y.dir));
+        const vfloat way = vf_mul(vf_sub(l->r.until, l->r.from), speed);
+        for (unsigned left = vm_bits(vm_and(l->alive, vf_gt(way, vf_set(SHORT_CELLS)))); left != 0; left &= left - 1) {
+            const cw_ray *r = &rays[__builtin_ctz(left)];
+            if (!short_over_slab(f, r, short_speed(r))) return false;
+        }
+        turns = SHORT_TURNS;
+    }
     const vfloat zero = vf_set(0);
     l->found = vm_set(false);
     /* As it stays in registers, clearing costs nothing, and a branch at the first hit would. */
     l->hit = (found_hits){{zero, zero, l->found}, zero, zero, zero, zero, zero};
     flat_start(l, f);
-    while (vm_any(l->alive)) /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */
-        flat_step(l, f, leaf, any, true);
-    return true;
+    /* At most nx + ny turns: a lane goes one way on each axis and leaves the field. */
+    for (; vm_any(l->alive) && turns > 0; turns--) flat_step(l, f, leaf, any, true);
+    return turns > 0;
 }
 
-/* Closest hits, or any hits; the other array is NULL. False, with some answers missing, if a ray goes over more than so many cells. */
-CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any, float cells,
+/* Closest hits, or any hits; the other array is NULL. False, with some answers missing, as packet_walk. */
+CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any, bool if_short,
                            cw_hit *hits, uint8_t *occluded) {
     for (size_t k = 0; k < n; k += W) {
         const size_t count = n - k < W ? n - k : W;
@@ -35,7 +43,7 @@ CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_l
         cw_hit answers[W];
         packet l;
         vstart start;
-        if (!packet_walk(&l, f, fill_up(rays + k, count, W, tail), count, leaf, any, cells, &start)) return false;
+        if (!packet_walk(&l, f, fill_up(rays + k, count, W, tail), count, leaf, any, if_short, &start)) return false;
         if (any) {
             const unsigned found = vm_bits(l.found);
             for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
@@ -50,22 +58,19 @@ CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_l
 /* One function for each leaf test. Rejected: one for both with a branch at its top, as compilers then run out of
  * registers (papers/walks.md). */
 static void CW_CODE(packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, hits == NULL, INFINITY, hits, occluded);
+    packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, hits == NULL, false, hits, occluded);
 }
-CW_ONE_COPY static bool packet_wt(const cw_field *f, const cw_ray *rays, size_t n, float cells, cw_hit *hits,
+CW_ONE_COPY static bool packet_wt(const cw_field *f, const cw_ray *rays, size_t n, bool if_short, cw_hit *hits,
                                   uint8_t *occluded) {
-    return packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, hits == NULL, cells, hits, occluded);
+    return packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, hits == NULL, if_short, hits, occluded);
 }
 static void CW_CODE(packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    packet_wt(f, rays, n, INFINITY, hits, occluded);
+    packet_wt(f, rays, n, false, hits, occluded);
 }
-
-/* The measured crossing of this walk and that of the pyramid kernels, for few rays. */
-enum { SHORT_CELLS = 32 };
 
 /* cw_short4, cw_short8 or cw_short16. */
 bool CW_CODE(short)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    return packet_wt(f, rays, n, SHORT_CELLS, hits, occluded);
+    return packet_wt(f, rays, n, true, hits, occluded);
 }
 
 /* cw_packet4, cw_packet8 or cw_packet16. */

@@ -7,8 +7,6 @@
 #include "kernels.h"
 #include "run.h"
 
-#include <math.h>
-
 /* Rays a thread takes at a time: some 100 microseconds of work, so that handing out costs nothing; towards the end fewer, so
  * that the last piece does not keep the others waiting, also where there are 10 000 rays in all. */
 enum { LEAST = 256, MOST = 4096 };
@@ -16,42 +14,22 @@ enum { LEAST = 256, MOST = 4096 };
 enum { SHARED = 1024 };
 /* As many as keep the kernels' batches full, and few. */
 enum { BLOCK = 512 };
-/* The measured crossing of the cell walk and the pyramid of one lane. */
-enum { SHORT_CELLS = 32 };
 
 typedef struct job {
     const cw_field *field;
     const cw_ray *rays;
     const cw_user_ray *user_rays; /* instead of rays */
     cw_run how;
-    bool single;           /* one ray, for which the library chooses the kernel */
     cw_short_fn *if_short; /* the first attempt for few rays, or NULL */
     cw_hit *hits;          /* of cw_closest; else NULL */
     uint8_t *occluded;     /* of cw_occluded */
 } job;
 
-/* True if a ray leaves the field's samples along an axis, or has left them, within so many cells; speed is in cells per t. */
-static inline bool leaves(float org, float dir, float low, float high, float tmin, float speed) {
-    const float left = dir < 0 ? org - low : high - org, fast = fabsf(dir);
-    return (left - tmin * fast) * speed <= SHORT_CELLS * fast;
-}
-
-/* True if it ends, or leaves the field's box, within some cells. Without a division, as it is part of every call of one ray. */
-static bool is_short(const cw_field *f, const cw_ray *r) {
-    const float speed = fabsf(r->dir[0]) + fabsf(r->dir[1]), zero = 0;
-    return (r->tmax - r->tmin) * speed <= SHORT_CELLS ||
-           leaves(r->org[2], r->dir[2], f->low, f->high, r->tmin, speed) ||
-           leaves(r->org[0], r->dir[0], zero, (float)(f->nx - 1), r->tmin, speed) ||
-           leaves(r->org[1], r->dir[1], zero, (float)(f->ny - 1), r->tmin, speed);
-}
-
 static void trace(const job *q, const cw_ray *rays, size_t begin, size_t n) {
     cw_hit *const hits = q->hits ? q->hits + begin : NULL;
     uint8_t *const occluded = q->hits ? NULL : q->occluded + begin;
     if (q->if_short && q->if_short(q->field, rays, n, hits, occluded)) return;
-    /* The cell walk makes nothing ready. */
-    const cw_kernel_code *code = q->single && is_short(q->field, rays) ? &cw_cell : q->how.expert.kernel->code;
-    code->trace[q->how.expert.leaf](q->field, rays, n, hits, occluded);
+    q->how.expert.kernel->code->trace[q->how.expert.leaf](q->field, rays, n, hits, occluded);
 }
 
 static void work(void *context, size_t begin, size_t end) {
@@ -94,10 +72,9 @@ static cw_status query(const cw_field *field, const cw_run *run, const cw_ray *r
     const bool forced = q.how.expert.kernel != NULL;
     if (status == CW_OK) status = cw_run_settle(&q.how, n);
     if (status != CW_OK) return status;
-    q.single = n == 1 && !forced;
-    /* Short rays gain by a wider vector one ray later than others do. */
-    q.if_short =
-        n > 1 && n <= CW_FEW_RAYS && !forced ? cw_kernel_default(q.how.expert.isa, n > 2 ? n - 1 : n)->if_short : NULL;
+    q.if_short = NULL;
+    if (n <= CW_FEW_RAYS && !forced) /* short rays gain by a wider vector one ray later than others do */
+        q.if_short = (n > 2 ? cw_kernel_default(q.how.expert.isa, n - 1) : q.how.expert.kernel)->if_short;
     if (n < SHARED) q.how.pool = NULL;
     const door_pass in = door_enter(&q.field->door);
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);

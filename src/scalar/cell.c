@@ -9,6 +9,7 @@
 #include "kernels.h"
 #include "moller_trumbore.h"
 #include "refine.h"
+#include "short_way.h"
 #include "strict.h"
 #include "watertight.h"
 
@@ -40,12 +41,14 @@ static inline bool mt_find(const strict_ray *r, const strict_cell *c, strict_fin
     return true;
 }
 
-static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, bool any, cw_hit *hit) {
+/* Gives up after so many turns: *turns becomes 0. */
+static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, bool any, size_t *turns, cw_hit *hit) {
     strict_ray r;
     if (!strict_ray_init(&r, f, ray, leaf)) return false;
     const size_t cells_x = f->nx - 1, cells_y = f->ny - 1;
     size_t i = first_cell(&r.x, r.from, cells_x), j = first_cell(&r.y, r.from, cells_y);
-    for (;;) { /* at most cells_x + cells_y times: each turn goes on along one axis and none turns back */
+    /* At most cells_x + cells_y times: each turn goes on along one axis and none turns back. */
+    for (; *turns > 0; --*turns) {
         strict_cell c;
         if (strict_gate(&c, &r, f, i, j)) {
             strict_find find;
@@ -64,14 +67,16 @@ static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, bool
             if (j >= cells_y) return false;
         }
     }
+    return false;
 }
 
 static inline void trace(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, cw_hit *hits,
                          uint8_t *occluded) {
     for (size_t k = 0; k < n; k++) {
+        size_t turns = SIZE_MAX;
         if (hits == NULL)
-            occluded[k] = walk(f, &rays[k], leaf, true, NULL);
-        else if (!walk(f, &rays[k], leaf, false, &hits[k]))
+            occluded[k] = walk(f, &rays[k], leaf, true, &turns, NULL);
+        else if (!walk(f, &rays[k], leaf, false, &turns, &hits[k]))
             hits[k] = miss();
     }
 }
@@ -80,6 +85,21 @@ static void trace_mt(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hi
 }
 static void trace_wt(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     trace(f, rays, n, CW_LEAF_WATERTIGHT, hits, occluded);
+}
+
+bool cw_short1(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
+    for (size_t k = 0; k < n; k++) {
+        const float speed = short_speed(&rays[k]);
+        if (!short_in_box(f, &rays[k], speed) && !short_over_slab(f, &rays[k], speed)) return false;
+        size_t turns = SHORT_TURNS;
+        const bool found = walk(f, &rays[k], CW_LEAF_WATERTIGHT, hits == NULL, &turns, hits ? &hits[k] : NULL);
+        if (turns == 0) return false;
+        if (hits == NULL)
+            occluded[k] = found;
+        else if (!found)
+            hits[k] = miss();
+    }
+    return true;
 }
 
 const cw_kernel_code cw_cell = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trace_mt, [CW_LEAF_WATERTIGHT] = trace_wt}};

@@ -192,6 +192,7 @@ static const row table[] = {
     {"climb far out", wide_towers_beside_nodes, climbing_rays, pyramids, 1, 1, 60 << 10, 8 << 10, .slow = true,
      .some_miss = true, .hits = 0.05},
     {"few", small_shape, rays_in_turn, small_calls, 3, 3, 6000, 1500, .hits = 0.05},
+    {"few over a cliff", cliff, rays_over_cliff, small_calls, 2, 1, 6000, 1500, .some_miss = true, .hits = 0.3},
     {"leftovers", small_shape, rays_in_turn, painted_stack, 3, 3, 150, 150, .hits = 0},
 #define ROWS(rays, name)                                                                                               \
     {"bits " name, same_land, benchmark_rays, recorded, 2, 2, 8192, 8192, true, .class = rays}, {                      \

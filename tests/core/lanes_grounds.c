@@ -35,6 +35,31 @@ cw_field *small_shape(ground *g, random_state *r) {
     return field_open(g->shape);
 }
 
+/* A plateau over a plain, both rough, with some holes. */
+cw_field *cliff(ground *g, random_state *r) {
+    test_field *f = g->shape;
+    *f = (test_field){.shape = FIELD_MIXED, .nx = large.nx, .ny = large.ny, .low = -1001, .high = 1};
+    for (size_t k = 0; k < f->nx * f->ny; k++) {
+        const float rough = (float)random_between(r, -1, 1);
+        f->z[k] = random_below(r, 400) == 0 ? NAN : k % f->nx < f->nx / 2 ? rough : rough - 1000;
+    }
+    return field_open(f);
+}
+
+/* They fall to the ground within some cells, or fly out over the plain. */
+size_t rays_over_cliff(const ground *g, cw_ray *rays, size_t most, random_state *r) {
+    const double edge = (double)(g->shape->nx / 2), across = (double)(g->shape->ny - 1);
+    for (size_t k = 0; k < most; k++) {
+        const double turn = random_between(r, -3, 3), fall = random_between(r, 0.02, 0.5);
+        rays[k] = (cw_ray){{(float)random_between(r, edge - 40, edge), (float)random_between(r, 0, across),
+                            (float)random_between(r, 0.5, 4)},
+                           0,
+                           {(float)cos(turn), (float)sin(turn), (float)-fall},
+                           INFINITY};
+    }
+    return most;
+}
+
 size_t random_rays_at_once(const ground *g, cw_ray *rays, size_t most, random_state *r) {
     for (size_t k = 0; k < most; k++) rays[k] = ray_make(RAY_RANDOM, g->shape, r);
     return most;

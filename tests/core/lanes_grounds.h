@@ -33,6 +33,10 @@ typedef size_t ray_maker(const ground *g, cw_ray *rays, size_t most, random_stat
 field_maker any_shape, large_shape, small_shape;
 ray_maker random_rays, random_rays_at_once, adversarial_rays, rays_in_turn;
 
+/* Rays that are taken for short ones (src/core/short_way.h); some are not. */
+field_maker cliff;
+ray_maker rays_over_cliff;
+
 /* Rays on which kernels once differed: alone and among their like. */
 field_maker known_field;
 ray_maker known_rays;

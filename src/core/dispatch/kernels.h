@@ -11,7 +11,7 @@ enum { CW_FEW_RAYS = 8 };
 /* Traces rays[0..n) and writes hits[0..n), or occluded[0..n) if hits is NULL. Runs in the IEEE default environment. */
 typedef void cw_trace_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
-/* The same if no ray goes over more than some cells, which the rays made ready show; else false, and answers are unspecified. */
+/* The same if each ray goes over some cells only, as far as can be told (short_way.h); else false, and answers are unspecified. */
 typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
 /* Samples i to i_end, j to j_end of a rectangle, without the ends: see heading.h. */
@@ -52,6 +52,7 @@ void cw_kernels_add(const cw_kernel *first, size_t count);
 
 /* src/scalar/cell.c */
 extern const cw_kernel_code cw_cell;
+cw_short_fn cw_short1;
 
 /* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the instruction sets of simd/isas.cmake */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
