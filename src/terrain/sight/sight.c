@@ -57,8 +57,7 @@ static inline bool look_for_steepest(void *context, const crossing *c) {
     if (height < line - 0x1p-50 * (fabs(line) + fabs(height))) return false;
     if (!(share * length > at_end && (1 - share) * length > at_end)) return false;
     const double rise = height / share;
-    const bool nearer = rise == s->rise.steepest && share < s->rise.share; /* of equals the nearest to the eye */
-    if (rise > s->rise.steepest || nearer) s->rise = (sight_rise){rise, share};
+    if (rise > s->rise.steepest) s->rise = (sight_rise){rise, share};
     return false;
 }
 

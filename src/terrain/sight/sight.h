@@ -35,8 +35,7 @@ double cw_sight_fall(const sight *s, double i, double j);
 double cw_sight_sample(const sight *s, size_t i, size_t j);
 
 /* The steepest rise from the eye on the way to (i, j), as height over the eye per share of the way, both ends left
- * out, and the share at which it is, the least of several; rounded. Values below least are returned as least, at
- * share 0. */
+ * out, and a share at which it is; rounded. Values not above least are returned as least, at share 0. */
 typedef struct sight_rise {
     double steepest, share;
 } sight_rise;
