@@ -186,16 +186,18 @@ static const row table[] = {
     {"towers", towers, rays_past_towers, every_kernel, 200, 1, RUN_MAX, RUN_MAX, .hits = 0.1},
     /* The lane walk keeps rays from batch to batch, and counts them anew after some 2^16. */
     {"long call", large_shape, random_rays_at_once, pyramids, 1, 1, RAYS_MAX, 66000, .slow = true, .hits = 0.1},
-    {"beside", plane, rays_beside_plane, pyramids, 600, 14, 600, 600, .one_call = true, .some_miss = true, .hits = 0.1},
-    {"corners behind holes", corner_behind_hole, ray_through_corners, pyramids, CORNERS, CORNERS, 1, 1, .hits = 1},
+    {"beside", plane, rays_beside_plane, pyramids, 600, 14, 600, 600, .one_call = true, .slow = true, .some_miss = true,
+     .hits = 0.1},
+    {"corners behind holes", corner_behind_hole, ray_through_corners, pyramids, CORNERS, CORNERS, 1, 1, .slow = true,
+     .hits = 1},
     {"climb", towers_beside_nodes, climbing_rays, pyramids, 240, 12, 1024, 1024, .some_miss = true, .hits = 0.05},
     {"climb far out", wide_towers_beside_nodes, climbing_rays, pyramids, 1, 1, 60 << 10, 8 << 10, .slow = true,
      .some_miss = true, .hits = 0.05},
     {"few", small_shape, rays_in_turn, small_calls, 3, 3, 6000, 1500, .hits = 0.05},
     {"few over a cliff", cliff, rays_over_cliff, small_calls, 2, 1, 6000, 1500, .some_miss = true, .hits = 0.3},
-    {"leftovers", small_shape, rays_in_turn, painted_stack, 3, 3, 150, 150, .hits = 0},
+    {"leftovers", small_shape, rays_in_turn, painted_stack, 3, 3, 150, 150, .slow = true},
 #define ROWS(rays, name)                                                                                               \
-    {"bits " name, same_land, benchmark_rays, recorded, 2, 2, 8192, 8192, true, .class = rays}, {                      \
+    {"bits " name, same_land, benchmark_rays, recorded, 2, 2, 8192, 8192, true, true, .class = rays}, {                \
         "stress " name, any_land, benchmark_rays, every_kernel, 1, 1, 61440, 960, true, .hits = 0.02, .class = rays,   \
                                                                                         .keep = &stress_counts[rays]   \
     }
