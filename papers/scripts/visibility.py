@@ -6,6 +6,7 @@ triangles, since edges stick out. Prints papers/data/visibility.json, with --tim
 python3-matplotlib for its elevation model, and the Python module (PYTHONPATH)."""
 
 import argparse
+import itertools
 import json
 import math
 import os
@@ -26,6 +27,19 @@ def lands():
     """Name, heights, width of cells in metres."""
     yield "Jacksboro", np.load(JACKSBORO)["elevation"].astype(np.float32), 83.0
     yield "fractal", terrain.land(513), 10.0
+
+
+def ridged(n, seed=7):
+    """Ridges and valleys without lakes: a sum of octaves of (1 - |noise|)^2, the noise of one interpolated between random numbers."""
+    rng, z = np.random.default_rng(seed), np.zeros((n, n))
+    for octave in range(max(1, math.ceil(math.log2(n / 64)) + 3)):
+        at = np.arange(n) * 8 * 2 ** octave / n
+        k, u = at.astype(int), at % 1
+        u = u ** 3 * (u * (u * 6 - 15) + 10)
+        random = rng.random((k[-1] + 2, k[-1] + 2)) * 2 - 1
+        rows = random[k] + u[:, None] * (random[k + 1] - random[k])
+        z += 0.5 ** (octave + 1) * (1 - np.abs(rows[:, k] + u * (rows[:, k + 1] - rows[:, k]))) ** 2
+    return (z * 1500 * n / 1025).astype("<f4")
 
 
 def field(z, cell):
@@ -105,8 +119,10 @@ def pairs(n, directions):
 def times(tool, sides, rounds, folder):
     """Rounds that take turns."""
     isas = [isa for isa in ("avx512", "avx2") if subprocess.run([tool, "info", "--isa", isa], capture_output=True).returncode == 0]
-    for n in sides:
-        z, high = terrain.land(n), n == 6000  # 9 km of relief and cells of 30 m, for the case that CacheTVS publishes
+    for n, name in itertools.product(sides, ("ridged", "fractal")):
+        z, high = ridged(n) if name == "ridged" else terrain.land(n), n == 6000  # 9 km of relief and cells of 30 m, for the case that CacheTVS publishes
+        if high and name == "ridged":
+            continue
         np.save(f"{folder}/land.npy", (z - z.min()) * np.float32(9000 / np.ptp(z)) if high else z)
         taken = {isa: [] for isa in isas}
         for isa in isas * rounds:
@@ -115,7 +131,7 @@ def times(tool, sides, rounds, folder):
                             "--isa", isa, "--quiet", "-o", f"{folder}/area.npy"], check=True)
             taken[isa].append(os.times().elapsed - before)
         for isa, seconds in taken.items():
-            print(json.dumps({"kind": "time", "side": n, "isa": isa, "directions": 128, "rounds": rounds,
+            print(json.dumps({"kind": "time", "land": name, "side": n, "isa": isa, "directions": 128, "rounds": rounds,
                               "seconds": float(np.median(seconds)), "least": min(seconds), "most": max(seconds), "pairs": pairs(n, 128), "load": os.getloadavg()[0]}), flush=True)
 
 
