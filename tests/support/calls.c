@@ -141,7 +141,8 @@ static cw_status viewshed(const cw_run *run) {
                               .azimuths = {10, 300}};
     const cw_status status[] = {
         cw_viewshed(terrain, run, &from, (cw_area){0}, &(cw_view){.seen = seen, .sum = sums, .needed = others}),
-        cw_viewshed(terrain, run, &from, (cw_area){0}, &(cw_view){.angle = numbers})};
+        cw_viewshed(terrain, run, &from, (cw_area){0}, &(cw_view){.angle = numbers}),
+        cw_viewshed(terrain, run, &(cw_observer){.x = 5, .y = 5, .height = 1}, (cw_area){0}, &(cw_view){.seen = seen})};
     return first_error(status, sizeof status / sizeof *status);
 }
 static cw_status lines(const cw_run *run) {
@@ -150,12 +151,18 @@ static cw_status lines(const cw_run *run) {
     const double last = (double)(desc.nx - 1);
     for (size_t k = 0; k < RAYS; k++)
         all[k] = (cw_sight){.from = {1, (double)(k % desc.ny), 2}, .to = {last, (double)(k * 7 % desc.ny), 2}};
-    return cw_lines_of_sight(terrain, run, 1, all, RAYS, answers);
+    const cw_status status[] = {cw_lines_of_sight(terrain, run, 1, all, RAYS, answers),
+                                cw_lines_of_sight(terrain, run, 0, all, RAYS, answers)};
+    return first_error(status, sizeof status / sizeof *status);
 }
 static cw_status visibility(const cw_run *run) {
     static float azimuth[SAMPLES];
     const cw_visibility_answers to = {.area = numbers, .share = others, .farthest = more, .azimuth = azimuth};
-    return cw_visibility(terrain, run, &(cw_visibility_desc){.directions = 9, .height = 2, .every = 3}, part, &to);
+    const cw_status status[] = {
+        cw_visibility(terrain, run, &(cw_visibility_desc){.directions = 9, .height = 2, .every = 3}, part, &to),
+        cw_visibility(terrain, run, &(cw_visibility_desc){.directions = 3}, (cw_area){0},
+                      &(cw_visibility_answers){.share = numbers, .farthest = others})};
+    return first_error(status, sizeof status / sizeof *status);
 }
 
 const every_call every_calls[] = {
