@@ -126,9 +126,11 @@ static cw_status horizons(const cw_run *run) {
     static double azimuths[3600];
     const cw_horizon all = {.curvature = 1, .count = 3600}, some = {.count = 12, .flags = CW_HORIZON_TILTED},
                      below = {.count = 12, .flags = CW_HORIZON_BELOW};
-    const cw_status status[] = {
-        cw_horizon_azimuths(terrain, &all, azimuths), cw_horizon_angles(terrain, run, &all, 5, part, numbers, others),
-        cw_sky_view(terrain, run, &some, part, numbers), cw_openness(terrain, run, &below, part, numbers)};
+    const cw_status status[] = {cw_horizon_azimuths(terrain, &all, azimuths),
+                                cw_horizon_angles(terrain, run, &all, 5, part, numbers, others),
+                                cw_sky_view(terrain, run, &some, part, numbers),
+                                cw_sky_view(terrain, run, &(cw_horizon){.count = 3}, part, numbers),
+                                cw_openness(terrain, run, &below, part, numbers)};
     return first_error(status, sizeof status / sizeof *status);
 }
 static cw_status viewshed(const cw_run *run) {
