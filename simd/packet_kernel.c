@@ -14,7 +14,6 @@
 CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
                            bool if_short, vstart *start) {
     l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, leaf, start));
-    size_t turns = SIZE_MAX;
     if (if_short) {
         const vfloat speed = vf_add(vf_abs(l->r.x.dir), vf_abs(l->r.y.dir));
         const vfloat way = vf_mul(vf_sub(l->r.until, l->r.from), speed);
@@ -22,7 +21,6 @@ CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, siz
             const cw_ray *r = &rays[__builtin_ctz(left)];
             if (!short_over_slab(f, r, short_speed(r))) return false;
         }
-        turns = SHORT_TURNS;
     }
     const vfloat zero = vf_set(0);
     l->found = vm_set(false);
@@ -30,8 +28,11 @@ CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, siz
     l->hit = (found_hits){{zero, zero, l->found}, zero, zero, zero, zero, zero};
     flat_start(l, f);
     /* At most nx + ny turns: a lane goes one way on each axis and leaves the field. */
-    for (; vm_any(l->alive) && turns > 0; turns--) flat_step(l, f, leaf, any, true);
-    return turns > 0;
+    for (int turns = 0; vm_any(l->alive); turns++) {
+        if (if_short && turns == SHORT_TURNS) return false;
+        flat_step(l, f, leaf, any, true);
+    }
+    return true;
 }
 
 /* Closest hits, or any hits; the other array is NULL. False, with some answers missing, as packet_walk. */
@@ -55,22 +56,18 @@ CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_l
     return true;
 }
 
-/* One function for each leaf test. Rejected: one for both with a branch at its top, as compilers then run out of
- * registers (papers/walks.md). */
+/* One function for each leaf test and for short rays. Rejected: one for all with branches, as compilers then run out of registers
+ * (papers/walks.md). */
 static void CW_CODE(packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, hits == NULL, false, hits, occluded);
 }
-CW_ONE_COPY static bool packet_wt(const cw_field *f, const cw_ray *rays, size_t n, bool if_short, cw_hit *hits,
-                                  uint8_t *occluded) {
-    return packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, hits == NULL, if_short, hits, occluded);
-}
 static void CW_CODE(packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    packet_wt(f, rays, n, false, hits, occluded);
+    packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, hits == NULL, false, hits, occluded);
 }
 
 /* cw_short4, cw_short8 or cw_short16. */
 bool CW_CODE(short)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    return packet_wt(f, rays, n, true, hits, occluded);
+    return packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, hits == NULL, true, hits, occluded);
 }
 
 /* cw_packet4, cw_packet8 or cw_packet16. */

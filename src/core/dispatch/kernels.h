@@ -50,7 +50,7 @@ cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 /* Kernels of another library, which come before those of this one. Before the first other call, and once. */
 void cw_kernels_add(const cw_kernel *first, size_t count);
 
-/* src/scalar/cell.c */
+/* src/scalar/cell.c and cell_short.c */
 extern const cw_kernel_code cw_cell;
 cw_short_fn cw_short1;
 
