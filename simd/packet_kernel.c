@@ -10,29 +10,34 @@
 #include <math.h>
 #include <string.h>
 
+/* Of rays that the box does not show to be short, those that the slab does not either; the others are walked only so far. */
+CW_INLINE bool some_are_long(packet *l, const cw_field *f, const cw_ray *rays, vmask *guessed) {
+    const vfloat speed = vf_add(vf_abs(l->r.x.dir), vf_abs(l->r.y.dir));
+    *guessed = vm_and(l->alive, vf_gt(vf_mul(vf_sub(l->r.until, l->r.from), speed), vf_set(SHORT_CELLS)));
+    if (!vm_any(*guessed)) return false;
+    for (unsigned left = vm_bits(*guessed); left != 0; left &= left - 1) {
+        const cw_ray *r = &rays[__builtin_ctz(left)];
+        if (!short_over_slab(f, r, short_speed(r))) return true;
+    }
+    const vfloat until = vf_min(vf_add(l->r.from, vf_div(vf_set(SHORT_TURNS), speed)), l->r.until);
+    l->r.until = vf_select(*guessed, until, l->r.until);
+    return false;
+}
+
 /* Walks the first n of W rays to their ends. start: see make_rays. If only short ones are wanted (short_way.h), false if one is not. */
 CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
                            bool if_short, vstart *start) {
+    vmask guessed = vm_set(false);
     l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, leaf, start));
-    if (if_short) {
-        const vfloat speed = vf_add(vf_abs(l->r.x.dir), vf_abs(l->r.y.dir));
-        const vfloat way = vf_mul(vf_sub(l->r.until, l->r.from), speed);
-        for (unsigned left = vm_bits(vm_and(l->alive, vf_gt(way, vf_set(SHORT_CELLS)))); left != 0; left &= left - 1) {
-            const cw_ray *r = &rays[__builtin_ctz(left)];
-            if (!short_over_slab(f, r, short_speed(r))) return false;
-        }
-    }
+    if (if_short && some_are_long(l, f, rays, &guessed)) return false;
     const vfloat zero = vf_set(0);
     l->found = vm_set(false);
     /* As it stays in registers, clearing costs nothing, and a branch at the first hit would. */
     l->hit = (found_hits){{zero, zero, l->found}, zero, zero, zero, zero, zero};
     flat_start(l, f);
-    /* At most nx + ny turns: a lane goes one way on each axis and leaves the field. */
-    for (int turns = 0; vm_any(l->alive); turns++) {
-        if (if_short && turns == SHORT_TURNS) return false;
+    while (vm_any(l->alive)) /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */
         flat_step(l, f, leaf, any, true);
-    }
-    return true;
+    return !if_short || !vm_any(vm_andnot(guessed, l->found));
 }
 
 /* Closest hits, or any hits; the other array is NULL. False, with some answers missing, as packet_walk. */
@@ -56,18 +61,22 @@ CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_l
     return true;
 }
 
-/* One function for each leaf test and for short rays. Rejected: one for all with branches, as compilers then run out of registers
- * (papers/walks.md). */
+/* One function for each leaf test. Rejected: one for both with a branch at its top, as compilers then run out of
+ * registers; another one for short rays, which takes 1.2 times as long with 8 lanes (papers/walks.md). */
 static void CW_CODE(packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, hits == NULL, false, hits, occluded);
 }
+CW_ONE_COPY static bool packet_wt(const cw_field *f, const cw_ray *rays, size_t n, bool if_short, cw_hit *hits,
+                                  uint8_t *occluded) {
+    return packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, hits == NULL, if_short, hits, occluded);
+}
 static void CW_CODE(packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, hits == NULL, false, hits, occluded);
+    packet_wt(f, rays, n, false, hits, occluded);
 }
 
 /* cw_short4, cw_short8 or cw_short16. */
 bool CW_CODE(short)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    return packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, hits == NULL, true, hits, occluded);
+    return packet_wt(f, rays, n, true, hits, occluded);
 }
 
 /* cw_packet4, cw_packet8 or cw_packet16. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A guess whether a ray goes over some cells only. Then the walk from cell to cell costs less than the pyramid, for which rays
- * must be made ready. Answers do not depend on the guess, and the walk is given up after SHORT_TURNS cells. */
+ * must be made ready. Answers do not depend on the guess, and the walk is given up after some SHORT_TURNS cells. */
 #ifndef CELLWALK_CORE_SHORT_WAY_H
 #define CELLWALK_CORE_SHORT_WAY_H
 
