@@ -21,6 +21,12 @@ SANITIZERS = f"symbolize=0:exitcode={SANITIZER}"
 REAL = "/usr/lib/R/site-library/terra/ex/elev.tif"  # Luxembourg in degrees, from SRTM
 
 
+def needs_room():
+    """AddressSanitizer does not start under a small limit of memory."""
+    with open(PROGRAM, "rb") as file:
+        return b"__asan_init" in file.read()
+
+
 def takes(k, most):
     """Whether case k is one of those that are taken of so many, as test_takes of ../support/check.h."""
     return (k + TURN) % min(DIVISOR * SLOW, most) == 0
