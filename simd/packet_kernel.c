@@ -10,7 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Of rays that the box does not show to be short, those that the slab does not either; the others are walked only so far. */
+/* True if some ray is long by the guess of short_way.h. guessed: rays that are short by their slab alone. As the slab can be wrong, they
+ * get a nearer end; one that finds nothing before it has no answer yet. */
 CW_INLINE bool some_are_long(packet *l, const cw_field *f, const cw_ray *rays, vmask *guessed) {
     const vfloat speed = vf_add(vf_abs(l->r.x.dir), vf_abs(l->r.y.dir));
     *guessed = vm_and(l->alive, vf_gt(vf_mul(vf_sub(l->r.until, l->r.from), speed), vf_set(SHORT_CELLS)));
@@ -24,7 +25,8 @@ CW_INLINE bool some_are_long(packet *l, const cw_field *f, const cw_ray *rays, v
     return false;
 }
 
-/* Walks the first n of W rays to their ends. start: see make_rays. If only short ones are wanted (short_way.h), false if one is not. */
+/* Walks the first n of W rays to their ends. start: see make_rays. if_short: returns false, with answers missing, if
+ * one is not short. */
 CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
                            bool if_short, vstart *start) {
     vmask guessed = vm_set(false);
@@ -40,7 +42,7 @@ CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, siz
     return !if_short || !vm_any(vm_andnot(guessed, l->found));
 }
 
-/* Closest hits, or any hits; the other array is NULL. False, with some answers missing, as packet_walk. */
+/* Closest hits, or any hits; the other array is NULL. Returns what packet_walk does. */
 CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any, bool if_short,
                            cw_hit *hits, uint8_t *occluded) {
     for (size_t k = 0; k < n; k += W) {
@@ -62,7 +64,7 @@ CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_l
 }
 
 /* One function for each leaf test. Rejected: one for both with a branch at its top, as compilers then run out of
- * registers; another one for short rays, which takes 1.2 times as long with 8 lanes (papers/walks.md). */
+ * registers; a second copy for short rays, which was slower (papers/walks.md). */
 static void CW_CODE(packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, hits == NULL, false, hits, occluded);
 }

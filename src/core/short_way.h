@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A guess whether a ray goes over some cells only. Then the walk from cell to cell costs less than the pyramid, for which rays
- * must be made ready. Answers do not depend on the guess, and the walk is given up after some SHORT_TURNS cells. */
+/* A guess whether a ray crosses only a few cells. If so, stepping from cell to cell takes less time than the pyramid, for which a ray must
+ * be made ready. A wrong guess changes no answer: the walk stops after about SHORT_TURNS cells, and the pyramid traces the ray. */
 #ifndef CELLWALK_CORE_SHORT_WAY_H
 #define CELLWALK_CORE_SHORT_WAY_H
 
@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/* The measured crossing. */
+/* Below SHORT_CELLS cells the walk from cell to cell was measured to be faster. */
 enum { SHORT_CELLS = 32, SHORT_TURNS = 40 };
 
 /* True if a ray leaves the field's samples along an axis, or has left them, within so many cells; speed is in cells per t. */
@@ -26,8 +26,9 @@ static inline bool short_in_box(const cw_field *f, const cw_ray *r, float speed)
            short_leaves(r->org[1], r->dir[1], zero, (float)(f->ny - 1), r->tmin, speed);
 }
 
-/* True if it falls through the slab of the 16 × 16 cells that it starts over: if that goes on beyond them, it meets the ground. Rejected:
- * a plane through three samples below, which are nearer at hand but guess wrong four times as often. */
+/* True if within SHORT_CELLS cells it comes below the slab of the 16 × 16 cells that it starts above. It has then met the ground, unless
+ * it has left these cells and the ground falls away there. Rejected: the plane of the three nearest samples, which is more often in the
+ * cache but more often wrong (papers/walks.md). */
 static inline bool short_over_slab(const cw_field *f, const cw_ray *r, float speed) {
     const struct cw_pyramid *p = f->pyramid;
     const int level = p->levels > 1 ? 1 : 0, shift = 2 * level + 2;

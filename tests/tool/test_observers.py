@@ -75,7 +75,7 @@ def test_a_table_of_views():
         number, at_x, at_y, samples, km2, farthest, far_x, far_y = map(float, line.split(","))
         assert (number, at_x, at_y, samples) == (k, x, y, seen.sum()) and abs(km2 - 1e-4 * seen.sum()) < 1e-9
         assert abs(farthest - far) < 1e-3 and abs(np.hypot(far_x - x, far_y - y) - far) < 1e-3
-    refused(2, "--table is about what is seen", "viewshed", "land.npy", "--cellsize", 10, "--observers", "t.csv", "--table", "no.csv", "--bands",
+    refused(2, "--table lists what is seen", "viewshed", "land.npy", "--cellsize", 10, "--observers", "t.csv", "--table", "no.csv", "--bands",
             "-o", "o.npy")
 
 

@@ -70,7 +70,7 @@ static bool check(void *context, size_t *bands) {
                               needed ? "the height that is needed to be seen" : "the angle", c->from.place_count);
     if (c->table && (c->kind != VIEW_SEEN || c->bands))
         return command_refuse(
-            name, "--table is about what is seen, and goes with none of --angle, --bands, --needed and --weights");
+            name, "--table lists what is seen; it cannot be used with --angle, --bands, --needed or --weights");
     if (c->within && !c->table) return command_refuse(name, "--within goes with --table");
     return true;
 }
