@@ -42,10 +42,21 @@ void outcome_take(outcome *o, const float *values, size_t n) {
             continue;
         }
         o->above += value > 0;
-        o->low = fminf(o->low, value);
-        o->high = fmaxf(o->high, value);
+        o->low = value < o->low ? value : o->low;
+        o->high = value > o->high ? value : o->high;
         if (keeps && o->count < o->room) o->kept[o->count++] = value;
     }
+}
+
+bool outcome_count(outcome *o, const io_raster_product *p, const void *cells, size_t n) {
+    const uint8_t *bytes = cells, nodata = (uint8_t)p->nodata;
+    if (p->cell != IO_CELL_UINT8) return false;
+    for (size_t k = 0; k < n; k++) {
+        o->holes += bytes[k] == nodata;
+        o->above += bytes[k] != nodata && bytes[k] > 0;
+    }
+    o->samples += n;
+    return true;
 }
 
 static int compare(const void *a, const void *b) {

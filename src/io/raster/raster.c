@@ -4,6 +4,8 @@
 
 #include "raster.h"
 
+#include "large.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -123,8 +125,7 @@ static void smell_degrees(const char *path, const io_raster_options *options, co
 bool io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error) {
     *raster = (io_raster){.nx = nx, .ny = ny, .rows = ny, .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     if (ny == 0 || nx <= SIZE_MAX / sizeof(float) / ny) {
-        const size_t bytes = nx * ny * sizeof(float);
-        raster->memory = malloc(bytes > 0 ? bytes : 1);
+        raster->memory = large_allocate(nx * ny * sizeof(float));
     }
     raster->z = raster->memory;
     return raster->memory != NULL || io_fail(error, "%s: out of memory for %zu x %zu samples", path, nx, ny);
@@ -146,7 +147,7 @@ static bool crop(const char *path, const io_raster_options *o, io_raster *raster
     for (size_t y = 0; y < part.ny; y++)
         memcpy(part.memory + y * part.nx, raster->z + (o->window.j + y) * raster->nx + o->window.i,
                part.nx * sizeof *part.z);
-    free(raster->memory);
+    large_release(raster->memory);
     raster->z = raster->memory = part.memory;
     raster->nx = part.nx;
     raster->ny = part.ny;
@@ -205,7 +206,7 @@ bool io_raster_read(const char *path, const io_raster_options *options, io_raste
 }
 
 void io_raster_free(io_raster *raster) {
-    free(raster->memory);
+    large_release(raster->memory);
     io_georef_free(&raster->georef);
     *raster = (io_raster){0};
 }

@@ -21,8 +21,9 @@ void progress_show(const char *step, double share) {
         line.step = step;
         line.start = line.last = now;
     }
-    if (now - line.last < (line.shown ? 0.1 : 0.5) || isatty(STDERR_FILENO) != 1) return;
+    if (now - line.last < (line.shown ? 0.1 : 0.5)) return;
     line.last = now;
+    if (isatty(STDERR_FILENO) != 1) return;
     line.shown = true;
     const double passed = now - line.start;
     /* "\r" goes to the line's start, "\033[K" clears the rest of the old text. */

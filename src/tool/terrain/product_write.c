@@ -127,6 +127,7 @@ static void pack(void *cells, size_t n, const io_raster_product *p) {
 static bool take_block(writing *w, size_t row, size_t rows, io_error *error) {
     const io_raster_product *p = &w->product->raster;
     const ground *g = &w->product->ground;
+    if (w->picture == NULL && outcome_count(&w->outcome, p, w->cells, rows * p->nx)) return true;
     outcome_read(p, w->cells, rows * p->nx, w->values);
     outcome_take(&w->outcome, w->values, rows * p->nx);
     const size_t first = g->window.i - g->terrain.column, local = row * w->step + g->window.j - g->terrain.row;

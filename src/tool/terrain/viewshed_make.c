@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "viewshed_make.h"
 
+#include "large.h"
 #include "sight.h"
 #include "table.h"
 
@@ -172,20 +173,25 @@ static bool make_room(viewshed_command *c, io_error *error) {
     const size_t n = c->product.ground.terrain.nx * c->product.ground.terrain.ny;
     if (c->table) {
         c->named = observers_have_names(&c->observers);
-        c->own = malloc(n * sizeof *c->own);
+        c->own = large_allocate(n * sizeof *c->own);
         if (c->own == NULL) return io_fail(error, "out of memory");
         if (!io_output_open(&c->table_file, c->table, error) ||
             !io_output_print(&c->table_file, error, "observer,x,y,samples,km2,farthest,farthest_x,farthest_y%s\n",
                              c->named ? ",name" : ""))
             return false;
     }
-    if (c->kind == VIEW_SEEN)
-        c->seen = calloc(n, sizeof *c->seen);
-    else if (c->kind == VIEW_WEIGHT)
-        c->sums = calloc(n, sizeof *c->sums);
+    const bool counts = c->kind == VIEW_SEEN, sums = c->kind == VIEW_WEIGHT;
+    const size_t bytes = n * (counts ? sizeof *c->seen : sums ? sizeof *c->sums : sizeof *c->numbers);
+    void *memory = large_allocate(bytes);
+    if (memory == NULL) return io_fail(error, "out of memory");
+    if (counts || sums) memset(memory, 0, bytes);
+    if (counts)
+        c->seen = memory;
+    else if (sums)
+        c->sums = memory;
     else
-        c->numbers = malloc(n * sizeof *c->numbers);
-    return c->seen || c->sums || c->numbers || io_fail(error, "out of memory");
+        c->numbers = memory;
+    return true;
 }
 
 static size_t most_seen(const viewshed_command *c) { return c->bands ? 1 : c->observers.count; }
@@ -342,10 +348,10 @@ void viewshed_end(void *context) {
     cw_sight_bounds_destroy(c->bounds);
     observers_free(&c->observers);
     io_output_discard(&c->table_file);
-    free(c->own);
+    large_release(c->own);
     free(c->inside);
-    free(c->seen);
-    free(c->sums);
-    free(c->numbers);
+    large_release(c->seen);
+    large_release(c->sums);
+    large_release(c->numbers);
     free(c->names);
 }

@@ -101,9 +101,6 @@ static void own_process(void) {
     for (size_t k = 0; k < SETTINGS; k++)
         if (CPLGetConfigOption(settings[k].key, NULL) == NULL) CPLSetConfigOption(settings[k].key, settings[k].value);
     if (CPLGetConfigOption("GDAL_NUM_THREADS", NULL) == NULL) CPLSetConfigOption("GDAL_NUM_THREADS", "1");
-    /* Rasters are read and written once, from start to end: a row of tiles is all that needs keeping. The default is 5 % of
-     * the machine's memory. */
-    if (CPLGetConfigOption("GDAL_CACHEMAX", NULL) == NULL) GDALSetCacheMax64((GIntBig)64 << 20);
 }
 
 /* The one symbol that the module exports. */

@@ -163,6 +163,17 @@ static bool open_band(io_gdal_source *s, const io_raster_options *options, io_ra
     return prepare(s, error);
 }
 
+/* Rows of a GeoTIFF's blocks are read once each, so two of them are enough to keep: the memory of old blocks serves new ones. Other
+ * formats may read a block again, as VRTs do those of their sources. GDAL's default is 5 % of the machine's memory. */
+static void limit_cache(const io_gdal_source *s, size_t block_rows) {
+    static const double least = 1 << 22, most = 1 << 26;
+    if (gdal_host() == NULL || CPLGetConfigOption("GDAL_CACHEMAX", NULL) != NULL) return;
+    const double sample = GDALGetDataTypeSizeBytes(GDALGetRasterDataType(s->band)) * GDALGetRasterCount(s->file);
+    const double bytes = 2 * sample * (double)block_rows * GDALGetRasterXSize(s->file);
+    const bool once = strcmp(GDALGetDriverShortName(GDALGetDatasetDriver(s->file)), "GTiff") == 0;
+    GDALSetCacheMax64((GIntBig)(once ? fmin(fmax(bytes, least), most) : most));
+}
+
 io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
                           io_error *error) {
     GDAL_CALL;
@@ -176,6 +187,7 @@ io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io
         const size_t block = down > 0 ? (size_t)down : 1, bytes = block * raster->nx * sizeof(float);
         const size_t blocks = bytes < (size_t)1 << 22 ? ((size_t)1 << 22) / bytes : 1;
         *rows_at_once = block * blocks;
+        limit_cache(s, block);
         return s;
     }
     drop(s);
