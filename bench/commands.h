@@ -4,6 +4,6 @@
 
 #include "command.h"
 
-extern const command command_table, command_measure, command_compare;
+extern const command command_table, command_measure;
 
 #endif

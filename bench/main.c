@@ -8,7 +8,7 @@
 
 #include <signal.h>
 
-static const command *const commands[] = {&command_measure, &command_table, &command_compare};
+static const command *const commands[] = {&command_measure, &command_table};
 
 /* Ctrl-C leaves no unfinished file behind, and the exit status names the signal. */
 static void stop(int number) {

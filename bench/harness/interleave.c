@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { TRIAL = 3 };
+#define SLOWER 1.2
+
 static void shuffle(size_t *order, size_t count, uint32_t seed, uint32_t round) {
     for (size_t k = count; k > 1; k--) {
         const size_t other = terrain_hash(seed, round, (uint32_t)k) % k, held = order[k - 1];
@@ -31,26 +34,38 @@ static statistics summary(const double *values, size_t n) {
 
 statistics interleave_ratio(const interleave_job *a, const interleave_job *b) {
     double ratios[INTERLEAVE_MOST];
-    for (size_t k = 0; k < a->seconds.n; k++) ratios[k] = a->times[k] / b->times[k];
-    return summary(ratios, a->seconds.n);
+    const size_t n = a->seconds.n < b->seconds.n ? a->seconds.n : b->seconds.n;
+    for (size_t k = 0; k < n; k++) ratios[k] = a->times[k] / b->times[k];
+    return summary(ratios, n);
 }
 
 static bool is_narrow(const statistics *s, double width) { return s->sure && s->high - s->low <= width * s->median; }
 
-static bool is_best(interleave_job *const *jobs, size_t count, const interleave_job *of) {
-    bool best = true;
+/* The fastest of a job's group so far. */
+static const interleave_job *best_of(interleave_job *const *jobs, size_t count, const interleave_job *of) {
+    const interleave_job *best = of;
     for (size_t k = 0; k < count && of->group; k++)
-        best = best && !(jobs[k]->group && strcmp(jobs[k]->group, of->group) == 0 &&
-                         jobs[k]->seconds.median < of->seconds.median);
+        if (jobs[k]->group && strcmp(jobs[k]->group, of->group) == 0 && !jobs[k]->ended &&
+            jobs[k]->seconds.median < best->seconds.median)
+            best = jobs[k];
     return best;
 }
 
-/* True if all that count have converged in n rounds. */
+/* Clearly slower than the fastest of its group, by SLOWER and at least TRIAL passes: it would take the time of those that count. */
+static bool is_hopeless(const interleave_job *job, const interleave_job *best) {
+    return job->seconds.n >= TRIAL && job->seconds.low > SLOWER * best->seconds.high;
+}
+
+/* After n rounds: true if all that count have converged. */
 static bool judge(interleave_job **jobs, size_t count, size_t n, double width) {
     bool all = true;
-    for (size_t k = 0; k < count; k++) jobs[k]->seconds = summary(jobs[k]->times, n);
+    for (size_t k = 0; k < count; k++)
+        if (!jobs[k]->ended) jobs[k]->seconds = summary(jobs[k]->times, n);
     for (size_t k = 0; k < count; k++) {
-        jobs[k]->best = is_best(jobs, count, jobs[k]);
+        const interleave_job *best = best_of(jobs, count, jobs[k]);
+        jobs[k]->best = best == jobs[k];
+        /* The first is what the others are measured against. */
+        jobs[k]->ended = jobs[k]->ended || (k > 0 && is_hopeless(jobs[k], best));
         const statistics s = k ? interleave_ratio(jobs[k], jobs[0]) : jobs[0]->seconds;
         /* Alone, a job is measured against itself; else its ratio counts, and the first has none. */
         jobs[k]->converged = k == 0 && count > 1 ? s.sure : is_narrow(&s, width);
@@ -62,10 +77,14 @@ static bool judge(interleave_job **jobs, size_t count, size_t n, double width) {
 void interleave(interleave_job **jobs, size_t count, const interleave_limits *limits) {
     size_t *order = memory(count, sizeof *order);
     const double end = clock_seconds() + limits->seconds;
-    for (size_t k = 0; k < count; k++) order[k] = k;
+    for (size_t k = 0; k < count; k++) {
+        order[k] = k;
+        jobs[k]->ended = false;
+    }
     for (uint32_t round = 0; count > 0 && round < INTERLEAVE_MOST; round++) {
         shuffle(order, count, limits->seed, round);
-        for (size_t k = 0; k < count; k++) jobs[order[k]]->times[round] = time_of(jobs[order[k]]);
+        for (size_t k = 0; k < count; k++)
+            if (!jobs[order[k]]->ended) jobs[order[k]]->times[round] = time_of(jobs[order[k]]);
         if (judge(jobs, count, round + 1, limits->width) || clock_seconds() >= end) break;
     }
     free(order);

@@ -16,11 +16,13 @@ typedef struct interleave_job {
     void *context;
     /* The clock: CPU time of the process for a run of one thread, wall-clock time for one of several. */
     bool by_clock;
-    const char *group;    /* of jobs of one group, NULL being none, the fastest counts: the others need not converge */
+    const char *group; /* of jobs of one group, NULL being none, the fastest counts: the others need not converge, and
+                           those that are clearly slower end after a few rounds */
     const double *counts; /* NULL, or where run leaves the seconds that count instead */
-    /* Results. times[k] is of round k, in seconds; jobs of one call have the same number of rounds. */
+    /* Results. times[k] is of round k, in seconds. */
     double times[INTERLEAVE_MOST];
     statistics seconds;
+    bool ended;     /* takes no part in later rounds */
     bool best;      /* of its group */
     bool converged; /* the interval of the ratio to the first job, or of the first one's median, is narrow enough */
 } interleave_job;

@@ -4,7 +4,6 @@
 #include "harness/harness_memory.h"
 #include "harness/statistics.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,32 +30,6 @@ bool results_write_all(io_output *out, const json_t *lines, io_error *error) {
         if (!results_write(out, json_incref(line), error)) return false;
     }
     return true;
-}
-
-json_t *results_read(const char *path, io_error *error) {
-    json_t *lines = json_array();
-    FILE *file = fopen(path, "r");
-    bool good = file || io_fail(error, "%s: %s", path, strerror(errno));
-    char *text = NULL;
-    size_t size = 0, number = 0;
-    for (ssize_t length; good && (length = getline(&text, &size, file)) > 0;) {
-        json_error_t detail;
-        json_t *line = json_loadb(text, (size_t)length, JSON_REJECT_DUPLICATES, &detail);
-        number++;
-        if (line == NULL)
-            good = io_fail(error, "%s:%zu: not a line of JSON: %s", path, number, detail.text);
-        else if (!json_is_object(line))
-            good = io_fail(error, "%s:%zu: not a JSON object", path, number);
-        results_append(lines, line ? line : json_null());
-    }
-    if (good && ferror(file)) good = io_fail(error, "%s: %s", path, strerror(errno));
-    if (good && !results_is(json_array_get(lines, 0), "run"))
-        good = io_fail(error, "%s:1: no results of cellwalk-bench: they start with an object of kind \"run\"", path);
-    free(text);
-    if (file) fclose(file);
-    if (good) return lines;
-    json_decref(lines);
-    return NULL;
 }
 
 void results_set_text(json_t *object, const char *key, const char *text) {
@@ -135,8 +108,4 @@ size_t results_distinct(const json_t *lines, const char *key, const char **texts
         if (results_is(line, "result") && *text != '\0' && k == count && count < most) texts[count++] = text;
     }
     return count;
-}
-
-bool results_same(const json_t *a, const json_t *b, const char *key) {
-    return strcmp(results_text(a, key), results_text(b, key)) == 0;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Results as JSON lines: one object a line, the first of kind "run" (run.h). Written and read back here. */
+/* Results as JSON lines: one object a line, the first of kind "run" (harness_run.h). */
 #ifndef CELLWALK_BENCH_HARNESS_RESULTS_H
 #define CELLWALK_BENCH_HARNESS_RESULTS_H
 
@@ -17,9 +17,6 @@ void results_append(json_t *lines, json_t *line);
 
 /* Writes all lines of the array, to which the references stay the caller's. */
 bool results_write_all(io_output *out, const json_t *lines, io_error *error);
-
-/* The lines as an array, which the caller decrefs. NULL with file and line in error; the first line is of kind "run". */
-json_t *results_read(const char *path, io_error *error);
 
 /* Add a member. */
 void results_set_text(json_t *object, const char *key, const char *text);
@@ -46,7 +43,5 @@ double results_number(const json_t *object, const char *key);
 bool results_is(const json_t *line, const char *kind);
 /* The texts that a member has in lines of kind "result", in order of first appearance; at most most of them. */
 size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most);
-/* True if a member is the same text in both. */
-bool results_same(const json_t *a, const json_t *b, const char *key);
 
 #endif

@@ -124,53 +124,14 @@ static bool is_wide(const json_t *line) {
     return json_is_true(json_object_get(line, "best_of_group")) && json_is_false(json_object_get(line, "converged"));
 }
 
-static bool is_of(const json_t *old, const plan_line *line, const char *group, cw_isa isa) {
-    return strcmp(results_text(old, "workload"), line->workload) == 0 &&
-           strcmp(results_text(old, "group"), group) == 0 && strcmp(results_text(old, "isa"), cw_isa_name(isa)) == 0 &&
-           (size_t)results_number(old, "line") == line->number;
-}
-
-/* Copies what an earlier run found of a line, if all of it is there and each of its times has converged; else false. */
-static bool take_over(const json_t *earlier, const plan_line *line, cw_isa isa, json_t *results) {
-    json_t *found = json_array(), *old;
-    bool good = true;
-    for (size_t k = 0; good && k < line->count; k++) {
-        const size_t before = json_array_size(found);
-        size_t index;
-        json_array_foreach((json_t *)earlier, index, old) {
-            if (!is_of(old, line, line->contenders[k], isa)) continue;
-            good = good && !is_wide(old) &&
-                   ((line->metrics & METRIC_TIME) == 0 || json_object_get(old, "converged") ||
-                    json_object_get(old, "left_out"));
-            results_append(found, json_incref(old));
-        }
-        good = good && json_array_size(found) > before;
-    }
-    if (good) json_array_extend(results, found);
-    json_decref(found);
-    return good;
-}
-
+/* After each line, so that a run that is interrupted leaves what it has measured. Of no results: whether FILE could be written. */
 static bool save(const char *path, const json_t *results, io_error *error) {
     io_output out = {0};
-    const bool good =
-        io_output_open(&out, path, error) && results_write_all(&out, results, error) && io_output_commit(&out, error);
+    if (path == NULL) return true;
+    bool good = io_output_open(&out, path, error);
+    if (good && results) good = results_write_all(&out, results, error) && io_output_commit(&out, error);
     io_output_discard(&out);
     return good;
-}
-
-/* An earlier run's results, if there are any and they are of the same program and machine. */
-static bool read_earlier(const char *path, const json_t *record, json_t **earlier, io_error *error) {
-    static const char *const keys[] = {"commit", "flags", "cpu", "embree"};
-    FILE *file = fopen(path, "r");
-    if (file == NULL) return true;
-    fclose(file);
-    *earlier = results_read(path, error);
-    for (size_t k = 0; *earlier && k < sizeof keys / sizeof *keys; k++)
-        if (!results_same(json_array_get(*earlier, 0), record, keys[k]))
-            return io_fail(error, "%s: is of another %s, %s", path, keys[k],
-                           results_text(json_array_get(*earlier, 0), keys[k]));
-    return *earlier != NULL;
 }
 
 static size_t count_wide(const json_t *results) {
@@ -193,7 +154,6 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
     plan p;
     int cpu;
     size_t timed = 0;
-    json_t *earlier = NULL;
     char text[512];
     const cw_isa most = (cw_isa)o->run.isa;
     if (!measure_plan_read(&p, name, o->field, error)) return false;
@@ -204,7 +164,7 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
     run_record_text(record, text, sizeof text);
     printf("%s\n", text);
     results_append(results, record);
-    good = good && (!o->resume || read_earlier(o->out, record, &earlier, error));
+    good = good && save(o->out, NULL, error);
     if (o->seconds <= 0) o->seconds = 10 * (double)timed;
     /* Making fields and building Embree do not count. What a line leaves, because it has converged, the later ones get. */
     double left = o->seconds;
@@ -215,16 +175,15 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
         if (!cw_isa_includes(most, isa)) {
             printf("\n%s with %s is left out: this machine, or the limit, has no more than %s\n", line->workload,
                    cw_isa_name(isa), cw_isa_name(most));
-        } else if (earlier == NULL || !take_over(earlier, line, isa, results)) {
+        } else {
             cw_isa_limit(isa);
             good = pin_for(line, &o->run, error) &&
-                   run_line(line, o, 1 / (double)(timed ? timed : 1), &left, results, error);
-            good = good && (!o->resume || save(o->out, results, error));
+                   run_line(line, o, 1 / (double)(timed ? timed : 1), &left, results, error) &&
+                   save(o->out, results, error);
         }
         timed -= (line->metrics & METRIC_TIME) != 0;
     }
     land_end();
-    json_decref(earlier);
     measure_plan_free(&p);
     if (good && count_wide(results) > 0)
         fprintf(stderr,
@@ -234,34 +193,31 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
     return good;
 }
 
-/* The folder is made if need be, in one that exists. */
-static bool open_in(io_output *out, const char *folder, const char *name, io_error *error) {
-    char path[PATH_MAX];
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST) return io_fail(error, "folder %s: %s", folder, strerror(errno));
-    if (snprintf(path, sizeof path, "%s/%s", folder, name) < PATH_MAX) return io_output_open(out, path, error);
-    return io_fail(error, "folder %s: %s", folder, strerror(ENAMETOOLONG));
-}
-
-/* Runs a plan into a file, if one is given, and prints the scenes' table if it has any. */
+/* Runs a plan, writes its results to o->out and, with a folder, the scenes' table there. The folder is made if its parent exists. */
 static int measure(const char *as, const char *name, measure_options *o, const char *folder) {
-    io_output out = {0}, text = {0};
+    char file[PATH_MAX], table[PATH_MAX];
+    io_output text = {0};
     io_error error = {{0}};
     json_t *results = json_array();
+    bool good = true;
     if (!run_options_check(&o->run, as)) return EXIT_USAGE;
-    bool good = o->out == NULL || o->resume || io_output_open(&out, o->out, &error);
-    if (folder) good = open_in(&text, folder, "table.md", &error) && open_in(&out, folder, "table.jsonl", &error);
-    good = good && run_plan(name, o, results, &error);
-    good = good && (o->resume ? save(o->out, results, &error) : results_write_all(&out, results, &error));
+    if (folder) {
+        if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+            good = io_fail(&error, "folder %s: %s", folder, strerror(errno));
+        else if (snprintf(file, sizeof file, "%s/table.jsonl", folder) >= PATH_MAX)
+            good = io_fail(&error, "folder %s: %s", folder, strerror(ENAMETOOLONG));
+        snprintf(table, sizeof table, "%s/table.md", folder);
+        o->out = file;
+    }
+    good = good && (folder == NULL || io_output_open(&text, table, &error)) && run_plan(name, o, results, &error);
     if (good && folder) {
         printf("\n");
         print_scenes(stdout, results);
         print_scenes(text.file, results);
         good = io_output_commit(&text, &error);
     }
-    good = good && (out.file == NULL || io_output_commit(&out, &error));
     /* The scenes' table is the work itself, and says which of its figures have not converged. */
     const bool wide = folder == NULL && count_wide(results) > 0;
-    io_output_discard(&out);
     io_output_discard(&text);
     json_decref(results);
     if (!good) return command_fail(as, "%s", error.text);
@@ -281,12 +237,12 @@ static const char what[] =
     "their ratios to "
     "the first are narrow. A figure that did not get there is marked and the exit status is 1.\n\n"
     "A field is a number of samples a side of fractal land, sea-calm, sea-rough, plane, grooves, comb, checkerboard, "
-    "jacksboro, jacksboro-4, "
+    "jacksboro, "
     "or the file of a raster. Without a plan, --field times all classes of rays on a raster of your own beside Embree.";
 
 static const char examples[] = "  cellwalk-bench measure --field dem.tif            # your own land\n"
                                "  cellwalk-bench measure speed -o speed.jsonl\n"
-                               "  cellwalk-bench measure release -o release.jsonl --resume\n"
+                               "  cellwalk-bench measure release -o release.jsonl\n"
                                "  cellwalk-bench measure my.plan --seconds 60 --isa avx2 -o mine.jsonl\n";
 
 static char *help_of_kinds(void) {
@@ -305,9 +261,8 @@ static char *help_of_kinds(void) {
 static int start_measure(int argc, char **argv) {
     measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 65536, .width = 0.04, .pass = 5};
     const option_spec options[] = {
-        {"out", "FILE", "write results there, a JSON object a line", OPTION_TEXT, .to = &o.out, .letter = 'o'},
-        {"resume", NULL, "keep FILE after each work, and leave out what it has already, converged", OPTION_FLAG,
-         .to = &o.resume},
+        {"out", "FILE", "write results there after each line of the plan, a JSON object each", OPTION_TEXT,
+         .to = &o.out, .letter = 'o'},
         {"field", "FILE", "stands for FIELD in the plan; without a plan, the raster to measure on", OPTION_TEXT,
          .to = &o.field},
         {"cellsize", "SIZE", "cell size of a raster that does not say, in its unit of heights", OPTION_REAL,
@@ -333,7 +288,6 @@ static int start_measure(int argc, char **argv) {
     free(text);
     if (status != OPTIONS_GO) return status;
     if (name == NULL && o.field == NULL) return command_fail("measure", "give a PLAN, or --field FILE"), EXIT_USAGE;
-    if (o.resume && o.out == NULL) return command_fail("measure", "--resume needs -o FILE"), EXIT_USAGE;
     return measure("measure", name ? name : "field", &o, NULL);
 }
 

@@ -35,42 +35,6 @@ static bool read_raster(land *l, const char *path, double cell_size, io_error *e
     return true;
 }
 
-/* Real land, from packages of Debian. The cells of jacksboro are 3 seconds of arc: 93 m along y, 74 m along x; 83 is the mean. */
-static const struct {
-    const char *name, *path, *package;
-    double cell; /* in units of height */
-    size_t times;
-} real[] = {
-    {"jacksboro", BUILD_INFO_JACKSBORO, "python3-matplotlib", 83, 1},
-    {"jacksboro-4", BUILD_INFO_JACKSBORO, "python3-matplotlib", 83, 4},
-};
-enum { REAL = sizeof real / sizeof *real };
-
-/* times as many samples a side: cubic (Catmull and Rom 1974) between the old ones, first along rows, then across. */
-static void make_finer(workload_field *s, size_t times) {
-    for (int pass = 0; pass < 2; pass++) {
-        const size_t across = s->ny, along = s->nx, finer = (along - 1) * times + 1;
-        float *z = memory(across * finer, sizeof *z);
-        for (size_t j = 0; j < across; j++)
-            for (size_t i = 0; i < finer; i++) {
-                const size_t k = i / times < along - 1 ? i / times : along - 2;
-                const double x = (double)(i - k * times) / (double)times;
-                double h[4];
-                for (size_t c = 0; c < 4; c++) {
-                    const size_t at = k + c < 1 ? 0 : k + c - 1 < along ? k + c - 1 : along - 1;
-                    h[c] = (double)s->z[j * along + at];
-                }
-                const double a = h[1] + 0.5 * x *
-                                            ((h[2] - h[0]) + x * (2 * h[0] - 5 * h[1] + 4 * h[2] - h[3] +
-                                                                  x * (3 * (h[1] - h[2]) + h[3] - h[0])));
-                z[i * across + j] =
-                    (float)(pass ? a * (double)times : a); /* heights are in cells, which become smaller */
-            }
-        workload_field_free(s);
-        *s = (workload_field){.nx = across, .ny = finer, .z = z};
-    }
-}
-
 static bool is_side(const char *name, size_t *side) {
     char *end;
     *side = strtoul(name, &end, 10);
@@ -91,14 +55,9 @@ static bool make_samples(land *l, const measure_options *o, char why[192], io_er
     }
     if (workload_field_make(l->name, &l->samples)) return true;
     if (l->samples.name) return io_fail(error, "out of memory for field %s", l->name);
-    size_t k = 0;
-    while (k < REAL && strcmp(l->name, real[k].name) != 0) k++;
-    if (k == REAL) return read_raster(l, l->name, o->cell_size, error);
-    if (!read_raster(l, real[k].path, real[k].cell, error)) {
-        snprintf(why, 192, "the build found no %s", real[k].package);
-        return true;
-    }
-    if (real[k].times > 1) make_finer(&l->samples, real[k].times);
+    if (strcmp(l->name, "jacksboro") != 0) return read_raster(l, l->name, o->cell_size, error);
+    /* Real land. Its cells are 3 seconds of arc: 93 m along y, 74 m along x; 83 is the mean. */
+    if (!read_raster(l, BUILD_INFO_JACKSBORO, 83, error)) snprintf(why, 192, "the build found no python3-matplotlib");
     return true;
 }
 

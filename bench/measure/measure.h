@@ -21,7 +21,6 @@ enum { MEASURE_NAME = 256, ENTRANTS_MAX = 48, FACTOR_MAX = 64 };
 typedef struct measure_options {
     run_options run;
     const char *out, *field, *scenes;
-    bool resume;
     unsigned count; /* rays of a pass */
     double seconds, width, pass,
         cell_size; /* for all; of intervals; a pass may take at most; of a raster, 0: its own */

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The three kinds of charts: bars, lines and points. Blue is Cellwalk, orange Embree, grey everything else. Axes follow the
+"""The two kinds of charts: bars and lines. Blue is Cellwalk, orange Embree, grey everything else. Axes follow the
 data; layout.py checks that nothing is cut off and no label lies on another. The same results and version of matplotlib give the same
 bytes: fixed ids, no date, text as text."""
 
@@ -103,7 +103,7 @@ def lines(a, run, rows, series):
         panel.set_title(title, pad=3)
         panel.grid(axis="y", color="#e4e4e4", linewidth=0.6)
         panel.set_axisbelow(True)
-        layout.log_axis(panel.yaxis, layout.log_limits(drawn), (1, 3))
+        layout.log_axis(panel.yaxis, layout.log_limits(drawn or [1, 10]), (1, 3))
         panel.set_xlim(-0.25, len(xs) - 0.75)
         panel.set_xticks(range(len(xs)), xs)
         if k + columns >= len(panels):
@@ -111,35 +111,7 @@ def lines(a, run, rows, series):
     return figure
 
 
-def points(a, run, rows, series):
-    """Panels title|where|x|y|floor: a point a line, labelled by its contender. x is rate or us, y a member; none is below floor."""
-    panels = [(*part.strip().split("|"), "0")[:5] for part in a["panels"].split(";")]
-    figure, (axes,) = canvas(a, run, 4.0, len(panels), wspace=0.24, top=1 - 0.85 / 4.0)
-    for panel, (title, where, x, y, floor) in zip(axes, panels):
-        found, labels = [], []
-        for line in rows.where(where):
-            at = line["per_second"] / 1e6 if x == "rate" else 1e6 / line["per_second"]
-            found.append((at, max(line.get(y, 0), float(floor))))
-            embree = line["group"].startswith("embree")
-            color = COLORS["embree" if embree else "ours" if line["contender"].startswith(("default", "directions")) else "grey"]
-            panel.plot(*found[-1], "s" if embree else "o", color=color, markersize=5)
-            kind, _, number = line["contender"].partition(":")
-            labels.append(({"coarser": f"every {draw.ordinal(number)}", "distance": f"within {number}", "directions": number}.get(
-                kind, "full" if kind == "default" else line["contender"]), found[-1], color))
-        panel.set_title(title)
-        panel.set_xlabel("million rays / s" if x == "rate" else "µs a place")
-        xs = [p for p, _ in found]
-        layout.log_axis(panel.xaxis, layout.log_limits(xs, 0.25), 
-                        (1, 2, 3, 4, 6) if max(xs) < 5 * min(xs) else (1, 2, 5) if max(xs) < 20 * min(xs) else (1,))
-        layout.log_axis(panel.yaxis, layout.log_limits([q for _, q in found], 0.15), (1,),
-                        lambda tick, floor=float(floor): "none" if tick == floor else draw.share(tick))
-        panel.grid(color="#eeeeee", linewidth=0.6)
-        panel.set_axisbelow(True)
-        layout.label_points(panel, labels, fontsize=8)
-    return figure
-
-
-KINDS = {"bars": bars, "lines": lines, "points": points}
+KINDS = {"bars": bars, "lines": lines}
 
 
 def svg(name, a, run, rows):

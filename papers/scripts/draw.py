@@ -9,7 +9,7 @@ Sentences with {expressions} in braces. --> … <!-- end -->
 <!-- chart speed-1025 kind=bars file=release … -->        draws pictures/speed-1025.svg (charts.py)
 
 Expressions are Python. where and the columns of a list see a result's members, value and text the functions of Rows. A figure that has
-not converged is written "n. c." (of a file whose run says "provisional": after "~"). The same results give the same text."""
+not converged is written "n. c." (of a file whose run says "provisional": after "~"), one that was not measured "–"."""
 
 import argparse
 import json
@@ -24,10 +24,10 @@ SKIPPED = 77  # exit status of --check where charts cannot be compared
 BLOCK = re.compile(r"(<!-- (table|list|text|files) (.*?)-->\n)(.*?)(<!-- end -->)", re.DOTALL)
 CHART = re.compile(r"<!-- chart (.*?)-->", re.DOTALL)
 CLASSES = ("primary", "shadow", "ao", "bounce", "random", "grazing", "afar")
-LANDS = ("65", "257", "1025", "4097", "8193", "sea-calm", "sea-rough")
-NOTHING = "n. c."  # no figure that may be quoted
+LANDS = ("65", "257", "1025", "4097", "sea-calm", "sea-rough", "jacksboro")
+ABSENT, WIDE = "–", "n. c."  # not measured; not converged
 ITEMS = {"ao": "ambient occlusion", "afar": "from afar", "within-2": "from within 2 cells"}
-FIELDS = {"sea-calm": "calm sea", "sea-rough": "rough sea", "jacksboro": "Jacksboro", "jacksboro-4": "Jacksboro, 4 × as fine"}
+FIELDS = {"sea-calm": "calm sea", "sea-rough": "rough sea", "jacksboro": "Jacksboro"}
 ISAS = {"avx512": "AVX-512", "avx2": "AVX2", "sse4.2": "SSE4.2", "scalar": "no vector instructions"}
 
 
@@ -66,7 +66,7 @@ class Number(float):
         return self._with(float(self) * other, other)
 
     def written(self, text):
-        return NOTHING if self.sure is None else text if self.sure else "~" + text
+        return WIDE if self.sure is None else text if self.sure else "~" + text
 
 
 def mark(number, text):
@@ -77,14 +77,14 @@ def mark(number, text):
 
 def grouped(number):
     if number is None:
-        return NOTHING
+        return ABSENT
     return f"{int(number):,}".replace(",", " ")
 
 
 def digits(number, count=2):
     """So many significant digits, and no exponent from 1000 on."""
     if number is None:
-        return NOTHING
+        return ABSENT
     text = grouped(float(f"{number:.{count}g}")) if abs(number) >= 999.5 else f"{float(f'{number:.{count}g}'):g}"
     if "e" not in text and " " not in text and abs(number) >= 0.1 and len(re.sub(r"[-.]|^0\.", "", text)) < count:
         text = f"{number:.{max(0, count - 1 - math.floor(math.log10(abs(number))))}f}"
@@ -97,26 +97,24 @@ def three(number):
 
 def dur(seconds, count=2):
     if seconds is None:
-        return NOTHING
+        return ABSENT
     scale, unit = (1, "s") if seconds >= 1 else (1e3, "ms") if seconds >= 1e-3 else (1e6, "µs")
     return mark(seconds, f"{float(f'{seconds * scale:.{count}g}'):g} {unit}")
 
 
 def share(value):
     if value is None:
-        return NOTHING
+        return ABSENT
     return mark(value, f"{float(f'{100 * value:.2g}'):g} %")
 
 
 def name(text):
     """What pages call a field or a class of rays."""
     text = str(text)
+    if "/" in text:  # a workload
+        return ", ".join(map(name, reversed(text.split("/"))))
     return FIELDS.get(text) or ITEMS.get(text) or (f"{text}²" if text.isdigit() and int(text) > 64 and (int(text) - 1) & (int(text) - 2) == 0 else text.replace("x", " × ") if re.fullmatch(
         r"\d+x\d+", text) else text)
-
-
-def ordinal(number):
-    return number + {"2": "nd"}.get(number, "th")
 
 
 def table(head, rows):
@@ -210,7 +208,7 @@ def highest(numbers):
 
 
 def mean(numbers):
-    """The geometric mean. It is as sure as the most doubtful of them."""
+    """The geometric mean of those that have converged. It is as sure as the most doubtful of them."""
     numbers = quotable(numbers)
     if not numbers:
         return None
@@ -220,13 +218,11 @@ def mean(numbers):
 
 
 def named(number):
-    if number is None:
-        return NOTHING
-    return f"{digits(number)} ({number.item})"
+    return ABSENT if number is None else f"{digits(number)} ({number.item})"
 
 
 HELPERS = {"digits": digits, "two": digits, "three": three, "dur": dur, "share": share, "name": name, "grouped": grouped, "mean": mean,
-           "named": named, "lowest": lowest, "highest": highest, "min": min, "max": max, "sum": sum, "len": len, "round": round, "abs": abs, "sorted": sorted, "str": str,
+           "named": named, "quotable": quotable, "lowest": lowest, "highest": highest, "min": min, "max": max, "sum": sum, "len": len, "round": round, "abs": abs, "sorted": sorted, "str": str,
            "int": int, "float": float, "ISAS": ISAS, "Number": Number, "log10": math.log10, "any": any, "all": all, "CLASSES": CLASSES, "LANDS": LANDS}
 
 
@@ -290,7 +286,10 @@ def columns(text):
 def evaluate(code, rows, run, runs=()):
     scope = {**HELPERS, "run": run, "runs": runs, "R": rows, "total": lambda kind, *keys: sum(line[key] for line in rows if line["kind"] == kind for key in keys),
              **{method: getattr(rows, method) for method in ("best", "faster", "ratios", "value", "rate", "where", "distinct", "timed", "micro")}}
-    return eval(code, scope)
+    try:
+        return eval(code, scope)
+    except (TypeError, ValueError):  # a figure that is absent: sums with None, and the least of none
+        return ABSENT
 
 
 def pivot(rows, run, a):
@@ -299,7 +298,7 @@ def pivot(rows, run, a):
         for row in a["rows_order"].split(",") if "rows_order" in a else rows.distinct(a["rows"]):
             group = Rows(line for line in rows if str(line.get(a["rows"])) == str(row))
             cells = [evaluate(code, group, run) for _, code in pairs]
-            body.append([name(row), *("" if cell is None else cell if isinstance(cell, str) else digits(cell) for cell in cells)])
+            body.append([name(row), *(cell if isinstance(cell, str) else digits(cell) for cell in cells)])
         return table([a.get("head", ""), *(title for title, _ in pairs)], body)
     values = {key: a.get(f"{key}_order", "").split(",") if a.get(f"{key}_order") else rows.distinct(a[key]) for key in ("rows", "cols")}
     body = []
@@ -308,7 +307,7 @@ def pivot(rows, run, a):
         for column in values["cols"]:
             group = Rows(line for line in rows if str(line.get(a["rows"])) == str(row) and str(line.get(a["cols"])) == str(column))
             value = evaluate(a["value"], group, run) if group else None
-            cells.append("" if value is None else value if isinstance(value, str) else digits(value))
+            cells.append(value if isinstance(value, str) else digits(value))
         body.append([name(row), *cells])
     return table([a.get("head", ""), *map(name, values["cols"])], body)
 
@@ -329,6 +328,13 @@ def merged_counts(a, b):
     return {key: a.get(key, 0) + value for key, value in b.items()}
 
 
+def _cell(code, line):
+    try:
+        return eval(code, {"__builtins__": {}}, Names(line))
+    except TypeError:  # of a member that the line has not
+        return ABSENT
+
+
 def listing(rows, a):
     pairs = columns(a["cols"])
     if "group" in a:
@@ -337,7 +343,7 @@ def listing(rows, a):
         rows = sorted(rows, key=lambda line: eval(a["sort"], {"__builtins__": {}}, Names(line)))
     body = []
     for line in rows:
-        cells = [eval(code, {"__builtins__": {}}, Names(line)) for _, code in pairs]
+        cells = [_cell(code, line) for _, code in pairs]
         body.append(["" if cell is None else digits(Number.of(cell, line)) if isinstance(cell, float) else cell for cell in cells])
     return table([title for title, _ in pairs], body)
 
@@ -353,7 +359,8 @@ def made(kind, query, data):
     if "where" in a:
         rows = rows.where(a["where"])
     if not rows and kind != "text":
-        raise Problem(f'no line of {a["file"]}.jsonl has {a.get("where")}')
+        print(f'draw.py: no line of {a["file"]} has {a.get("where")}', file=sys.stderr)
+        return ABSENT + "\n"
     if kind == "text":
         runs = [run for run, _ in found]
         return re.sub(r"\{(.+?)\}", lambda m: str(evaluate(m[1], rows, run, runs)), template.strip()) + "\n"

@@ -1,22 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where things lie in a picture: axes that follow their data, labels that find a free place, and the check that nothing is cut
-off and no label lies on another. The check measures with matplotlib's own renderer."""
+"""Where things lie in a picture: axes that follow their data, and the check that nothing is cut off and no
+label lies on another. The check measures with matplotlib's own renderer."""
 
 import math
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.path import Path
 from matplotlib.text import Annotation, Text
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 from matplotlib.transforms import Bbox
 
 from draw import Problem
-
-# Candidate places of a label, in points of type from its point: right, left, above, below, then between these.
-PLACES = [(dx, dy, ha) for far in (7, 12, 20, 28) for dx, dy, ha in (
-    (far, -3, "left"), (-far, -3, "right"), (0, far - 1, "center"), (0, -far - 5, "center"), (far - 2, far - 3, "left"),
-    (-far + 2, far - 3, "right"), (far - 2, -far - 3, "left"), (-far + 2, -far - 3, "right"))]
-
 
 def log_limits(values, share=0.08):
     """Limits of a logarithmic axis: those of the values, and a share of their range more on each side."""
@@ -123,26 +116,3 @@ def check(name, figure):
     if found:
         raise Problem("\n".join(f"{name}: {fault}" for fault in found))
 
-
-# ---- labels that find their place ----
-
-def label_points(axes, labels, **style):
-    """Labels (text, point, color), each at the first of PLACES where it meets no point, no line and no other label. Call it when
-    limits and size of the axes are set."""
-    figure = axes.figure
-    renderer = _renderer(figure)
-    frame = axes.get_window_extent(renderer)
-    points = [Bbox.from_extents(x - size, y - size, x + size, y + size) for (x, y), size in _points(axes)]
-    paths = [Path(axes.transData.transform(line.get_xydata())) for line in axes.lines if line.get_linestyle() != "None"]
-    taken = []
-    for words, point, color in labels:
-        label = axes.annotate(words, point, (0, 0), textcoords="offset points", color=color, **style)
-        for dx, dy, ha in PLACES:
-            label.set(position=(dx, dy), ha=ha)
-            box = _box(label, renderer)
-            if (_holds(frame, box) and not any(_meet(box, other) for other in points + taken) and
-                    not any(path.intersects_bbox(box, filled=False) for path in paths)):
-                break
-        else:
-            raise Problem(f'there is no free place for the label "{words}"')
-        taken.append(box)

@@ -79,11 +79,35 @@ static void ratios_are_of_rounds(void **state) {
     check(jobs[0].seconds.n == 1 && !jobs[2].converged, "one round has converged");
 }
 
+static void take_constant(void *context) {
+    given *g = context;
+    g->seconds = g->share + 1e-9 * g->rounds++;
+}
+
+static void clearly_slower_ones_of_a_group_end(void **state) {
+    (void)state;
+    enum { FIRST, FAST, SLOW, NEAR, ALONE, COUNT };
+    static interleave_job jobs[COUNT];
+    static given times[COUNT] = {{.share = 2}, {.share = 1}, {.share = 1.3}, {.share = 1.1}, {.share = 9}};
+    interleave_job *all[COUNT];
+    for (size_t k = 0; k < COUNT; k++) {
+        jobs[k] = (interleave_job){.run = take_constant, .context = &times[k], .counts = &times[k].seconds};
+        jobs[k].group = k == FIRST || k == ALONE ? NULL : "a";
+        all[k] = &jobs[k];
+    }
+    interleave(all, COUNT, &(interleave_limits){.width = 0.01, .seconds = 1e6, .seed = 1});
+    for (size_t k = 0; k < COUNT; k++)
+        check(jobs[k].seconds.n == (k == SLOW ? 3 : INTERLEAVE_LEAST) && times[k].rounds == jobs[k].seconds.n,
+              "job %zu: %zu rounds", k, jobs[k].seconds.n);
+    check(jobs[FAST].best && !jobs[SLOW].best && !jobs[SLOW].converged, "the fastest of a group is another");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(location),
         cmocka_unit_test(interval_ranks),
         cmocka_unit_test(ratios_are_of_rounds),
+        cmocka_unit_test(clearly_slower_ones_of_a_group_end),
     };
     return cmocka_run_group_tests_name("bench_statistics", tests, NULL, NULL);
 }
