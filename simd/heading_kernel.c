@@ -21,16 +21,16 @@
 
 #include <math.h>
 
-enum { VECTORS = GROUP / (int)W, AT_ONCE = 4, PROBES = 4 };
+enum { VECTORS = GROUP_SAMPLES / (int)W, AT_ONCE = 4, PROBES = 4 };
 
 typedef struct group {
     const cw_heading *heading;
-    int32_t i, j;          /* of the first sample */
-    float z[GROUP];        /* heights at which the rays start; infinity: no ray */
-    float best[GROUP];     /* the steepest slope so far */
-    float pad;             /* of the job */
-    float least;           /* lower bound of the answers: slopes up to it count as it */
-    float enough;          /* slopes above it need not be compared further */
+    int32_t i, j;              /* of the first sample */
+    float z[GROUP_SAMPLES];    /* heights at which the rays start; infinity: no ray */
+    float best[GROUP_SAMPLES]; /* the steepest slope so far */
+    float pad;                 /* of the job */
+    float least;               /* lower bound of the answers: slopes up to it count as it */
+    float enough;              /* slopes above it need not be compared further */
     int32_t found[PROBES]; /* stretches of level 0 in which some rays of the group before saw their steepest slope */
 } group;
 
@@ -78,7 +78,7 @@ static inline bool stretch_is_low(const group *g, const cw_stretch *s, int level
     const vfloat high = vf_set(stretch_high(g, s, level)), pad = vf_set(g->pad);
     const vfloat near = vf_set(s->inverse_most), far = vf_set(s->inverse_least);
     const vfloat drop = vf_set(s->drop);
-    for (int k = 0; k < GROUP; k += (int)W) {
+    for (int k = 0; k < GROUP_SAMPLES; k += (int)W) {
         /* At the height of the start, as on a lake, rounding puts nothing above it: if a <= b <= z, then b - a,
          * rounded, is at most z - a, rounded, and a fraction of it at most that. */
         const vfloat exact = vf_sub(high, vf_load(g->z + k));
@@ -146,7 +146,7 @@ static void scan_partly(group *g, const cw_crossing *from, const cw_crossing *en
     float columns[W];
     for (unsigned m = 0; m < W; m++) columns[m] = (float)m;
     const vfloat column = vf_load(columns), none = vf_set(-INFINITY);
-    for (int k = 0; k < GROUP; k += (int)W) {
+    for (int k = 0; k < GROUP_SAMPLES; k += (int)W) {
         const vfloat z = vf_load(g->z + k);
         vfloat best = vf_load(g->best + k);
         const int32_t i0 = g->i + k % GROUP_COLUMNS, j0 = g->j + k / GROUP_COLUMNS;
@@ -180,7 +180,7 @@ static inline void scan_stretch(group *g, uint32_t number, reach r) {
 static inline bool all_settled(group *g) {
     const vfloat enough = vf_set(g->enough), settled = vf_set(INFINITY);
     bool all = true;
-    for (int k = 0; k < GROUP; k += (int)W) {
+    for (int k = 0; k < GROUP_SAMPLES; k += (int)W) {
         const vfloat best = vf_load(g->best + k);
         const vmask done = vf_gt(best, enough);
         all = all && !vm_any(vm_not(done));
@@ -192,11 +192,11 @@ static inline bool all_settled(group *g) {
 /* Remembers the stretch for each probe ray that improved on it: its neighbours are likely to improve there too. */
 static inline void remember(group *g, const float before[PROBES], uint32_t number, int32_t found[PROBES]) {
     for (int p = 0; p < PROBES; p++)
-        if (g->best[p * (GROUP / PROBES + 1)] > before[p]) found[p] = (int32_t)number;
+        if (g->best[p * (GROUP_SAMPLES / PROBES + 1)] > before[p]) found[p] = (int32_t)number;
 }
 
 static inline void probe(const group *g, float best[PROBES]) {
-    for (int p = 0; p < PROBES; p++) best[p] = g->best[p * (GROUP / PROBES + 1)];
+    for (int p = 0; p < PROBES; p++) best[p] = g->best[p * (GROUP_SAMPLES / PROBES + 1)];
 }
 
 /* True if the stretch was scanned before the walk began. */
@@ -256,11 +256,11 @@ static inline void start(group *g, int32_t i, int32_t j, bool ends) {
     g->i = i;
     g->j = j;
     const bool inside = (size_t)i + GROUP_COLUMNS <= f->nx && (size_t)j + GROUP_ROWS <= f->ny;
-    for (int k = 0; k < GROUP && !inside; k++) {
+    for (int k = 0; k < GROUP_SAMPLES && !inside; k++) {
         const size_t x = (size_t)(i + k % GROUP_COLUMNS), y = (size_t)(j + k / GROUP_COLUMNS);
         g->z[k] = x < f->nx && y < f->ny ? f->z[y * f->stride + x] : NAN;
     }
-    for (int k = 0; k < GROUP; k += (int)W) {
+    for (int k = 0; k < GROUP_SAMPLES; k += (int)W) {
         const size_t at = (size_t)(j + k / GROUP_COLUMNS) * f->stride + (size_t)(i + k % GROUP_COLUMNS);
         const vfloat z = vf_load(inside ? f->z + at : g->z + k);
         const vmask some = vf_eq(z, z);

@@ -95,18 +95,18 @@ static size_t make_crossings(maker *m, bool along_x, size_t cells, cw_stretch *s
     return m->count;
 }
 
-static int32_t least(int32_t a, int32_t b) { return a < b ? a : b; }
-static int32_t most(int32_t a, int32_t b) { return a > b ? a : b; }
+static int32_t least_index(int32_t a, int32_t b) { return a < b ? a : b; }
+static int32_t most_index(int32_t a, int32_t b) { return a > b ? a : b; }
 
 /* Widens the bounds of a stretch to those of a part of it. */
 static void widen(cw_stretch *s, const cw_stretch *by) {
     s->inverse_least = lower(by->inverse_least, s->inverse_least);
     s->inverse_most = higher(by->inverse_most, s->inverse_most);
     s->drop = lower(by->drop, s->drop);
-    s->i_low = least(s->i_low, by->i_low);
-    s->i_high = most(s->i_high, by->i_high);
-    s->j_low = least(s->j_low, by->j_low);
-    s->j_high = most(s->j_high, by->j_high);
+    s->i_low = least_index(s->i_low, by->i_low);
+    s->i_high = most_index(s->i_high, by->i_high);
+    s->j_low = least_index(s->j_low, by->j_low);
+    s->j_high = most_index(s->j_high, by->j_high);
 }
 
 /* Of stretch k of a level, from its crossings or from the stretches below. */

@@ -15,7 +15,7 @@
 
 /* Rays are walked in groups of 16 neighbours in a row, and four rows: so many share the bounds that a stretch is
  * judged by. */
-enum { GROUP_COLUMNS = 16, GROUP_ROWS = 4, GROUP = GROUP_COLUMNS * GROUP_ROWS };
+enum { GROUP_COLUMNS = 16, GROUP_ROWS = 4, GROUP_SAMPLES = GROUP_COLUMNS * GROUP_ROWS };
 
 /* The second sample of a crossing is so far from the first. */
 typedef enum cw_crossing_kind {

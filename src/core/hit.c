@@ -151,7 +151,7 @@ cw_status cw_hit_phong_normals(const cw_field *field, const cw_run *run, const c
 
 /* ---- at a place -------------------------------------------------------------------------------------------------- */
 
-static const cw_hit miss = {.t = INFINITY, .i = -1, .j = -1};
+static const cw_hit no_hit = {.t = INFINITY, .i = -1, .j = -1};
 
 /* The cell that the place is in, also at the far border, and the rest: within [0, 1]. */
 static int32_t split(double x, size_t samples, double *rest) {
@@ -161,7 +161,7 @@ static int32_t split(double x, size_t samples, double *rest) {
 }
 
 static void surface_at(const cw_field *field, double x, double y, cw_hit *hit) {
-    *hit = miss;
+    *hit = no_hit;
     if (!(x >= 0 && x <= (double)(field->nx - 1) && y >= 0 && y <= (double)(field->ny - 1))) return;
     double u, v;
     cw_hit h = {.i = split(x, field->nx, &u), .j = split(y, field->ny, &v)};

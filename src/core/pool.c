@@ -16,13 +16,13 @@
 #include <stdlib.h>
 
 /* The work of one caller. It is in the caller's stack frame, which stays until all pieces are done. */
-typedef struct job {
+typedef struct pool_job {
     cw_work_fn *work;
     void *context;
     size_t n, least, most; /* items; of a piece */
     size_t parts;          /* a piece is the rest divided by this */
     atomic_size_t next;    /* item */
-} job;
+} pool_job;
 
 struct cw_pool {
     pthread_mutex_t lock;
@@ -31,7 +31,7 @@ struct cw_pool {
     unsigned created;    /* helpers running: threads - 1 once the pool is whole */
     atomic_uint busy;    /* helpers that are at the present job */
     atomic_ulong number; /* of the job */
-    job *present;        /* NULL: there is nothing to join */
+    pool_job *present;   /* NULL: there is nothing to join */
     bool engaged;        /* a caller has the helpers */
     unsigned process;    /* that has the helpers; in a child of it the lock stays as another thread left it */
     atomic_bool quit;
@@ -45,14 +45,14 @@ enum { LOOKS = 50 };
 
 /* Large pieces first, since each has a beginning and an end at which lanes of a kernel are empty; small ones at
  * last, so that all threads end together. */
-static size_t piece(const job *j, size_t left) {
+static size_t piece(const pool_job *j, size_t left) {
     size_t count = left / j->parts / j->least * j->least;
     if (count > j->most) count = j->most;
     if (count < j->least) count = j->least;
     return count < left ? count : left;
 }
 
-static void take_pieces(job *j) {
+static void take_pieces(pool_job *j) {
     size_t begin = atomic_load_explicit(&j->next, memory_order_relaxed);
     while (begin < j->n) {
         const size_t end = begin + piece(j, j->n - begin);
@@ -71,7 +71,7 @@ static void *help(void *argument) {
         pthread_mutex_lock(&p->lock);
         while (!p->quit && p->number == seen) pthread_cond_wait(&p->start, &p->lock);
         const bool quit = p->quit;
-        job *j = p->present;
+        pool_job *j = p->present;
         seen = p->number;
         if (j != NULL) p->busy++;
         pthread_mutex_unlock(&p->lock);
@@ -164,7 +164,7 @@ void cw_pool_destroy(cw_pool *p) {
 uint32_t cw_pool_threads(const cw_pool *pool) { return pool ? pool->threads : 1; }
 
 /* Gives the job to the helpers; false if they have one. */
-static bool engage(cw_pool *p, job *j) {
+static bool engage(cw_pool *p, pool_job *j) {
     pthread_mutex_lock(&p->lock);
     const bool idle = !p->engaged;
     if (idle) {
@@ -201,7 +201,7 @@ void cw_pool_share(cw_pool *p, size_t n, size_t least, size_t most, cw_work_fn *
     if (least == 0) least = 1;
     const unsigned threads = cw_pool_threads(p);
     const size_t pieces = n / least + (n % least != 0); /* at most */
-    job j = {.work = work, .context = context, .n = n, .least = least, .most = most > least ? most : least};
+    pool_job j = {.work = work, .context = context, .n = n, .least = least, .most = most > least ? most : least};
     j.parts = (size_t)2 * threads;
     if (threads == 1 || pieces == 1) {
         work(context, 0, n);

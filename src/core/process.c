@@ -11,10 +11,10 @@ static bool follows;
 
 static void count_child(void) { atomic_fetch_add(&cw_process_number, 1); }
 
-static void begin(void) { follows = pthread_atfork(NULL, NULL, count_child) == 0; }
+static void follow(void) { follows = pthread_atfork(NULL, NULL, count_child) == 0; }
 
 bool cw_process_follow_forks(void) {
-    pthread_once(&once, begin);
+    pthread_once(&once, follow);
     return follows;
 }
 #endif

@@ -15,7 +15,7 @@ enum { SHARED = 1024 };
 /* As many as keep the kernels' batches full, and few. */
 enum { BLOCK = 512 };
 
-typedef struct job {
+typedef struct query_job {
     const cw_field *field;
     const cw_ray *rays;
     const cw_user_ray *user_rays; /* instead of rays */
@@ -23,9 +23,9 @@ typedef struct job {
     cw_short_fn *if_short; /* the first attempt for few rays, or NULL */
     cw_hit *hits;          /* of cw_closest; else NULL */
     uint8_t *occluded;     /* of cw_occluded */
-} job;
+} query_job;
 
-static void trace(const job *q, const cw_ray *rays, size_t begin, size_t n) {
+static void trace_piece(const query_job *q, const cw_ray *rays, size_t begin, size_t n) {
     cw_hit *const hits = q->hits ? q->hits + begin : NULL;
     uint8_t *const occluded = q->hits ? NULL : q->occluded + begin;
     if (q->if_short && q->if_short(q->field, rays, n, hits, occluded)) return;
@@ -33,18 +33,18 @@ static void trace(const job *q, const cw_ray *rays, size_t begin, size_t n) {
 }
 
 static void work(void *context, size_t begin, size_t end) {
-    const job *q = context;
+    const query_job *q = context;
     const fpenv caller = fpenv_enter();
-    trace(q, q->rays + begin, begin, end - begin);
+    trace_piece(q, q->rays + begin, begin, end - begin);
     fpenv_leave(caller);
 }
 
-static inline void work_in_blocks(const job *q, size_t begin, size_t end, cw_ray *block, size_t most) {
+static inline void work_in_blocks(const query_job *q, size_t begin, size_t end, cw_ray *block, size_t most) {
     const fpenv caller = fpenv_enter();
     for (size_t count; begin < end; begin += count) {
         count = end - begin < most ? end - begin : most;
         q->how.expert.kernel->to_field(q->field->to_field, q->user_rays + begin, count, block);
-        trace(q, block, begin, count);
+        trace_piece(q, block, begin, count);
     }
     fpenv_leave(caller);
 }
@@ -66,7 +66,7 @@ static cw_status query(const cw_field *field, const cw_run *run, const cw_ray *r
     if (n > 0 && rays == NULL && user_rays == NULL) return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
     if (n > 0 && hits == NULL && occluded == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu rays", out_name, n);
-    job q; /* no initialiser: it would clear how first */
+    query_job q; /* no initialiser: it would clear how first */
     q.field = field, q.rays = rays, q.user_rays = user_rays, q.hits = hits, q.occluded = occluded;
     cw_status status = cw_run_begin(run, &q.how);
     const bool forced = q.how.expert.kernel != NULL;

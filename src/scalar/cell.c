@@ -4,8 +4,8 @@
 #include "cell_walk.h"
 #include "kernels.h"
 
-static inline void trace(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, cw_hit *hits,
-                         uint8_t *occluded) {
+static inline void trace_cells(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, cw_hit *hits,
+                               uint8_t *occluded) {
     for (size_t k = 0; k < n; k++) {
         if (hits == NULL)
             occluded[k] = cell_walk(f, &rays[k], leaf, true, NULL, NULL);
@@ -14,10 +14,10 @@ static inline void trace(const cw_field *f, const cw_ray *rays, size_t n, cw_lea
     }
 }
 static void trace_mt(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    trace(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, hits, occluded);
+    trace_cells(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, hits, occluded);
 }
 static void trace_wt(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    trace(f, rays, n, CW_LEAF_WATERTIGHT, hits, occluded);
+    trace_cells(f, rays, n, CW_LEAF_WATERTIGHT, hits, occluded);
 }
 
 const cw_kernel_code cw_cell = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trace_mt, [CW_LEAF_WATERTIGHT] = trace_wt}};

@@ -12,39 +12,38 @@
 #include <float.h>
 
 static size_t blocks(size_t n) { return (n + 3) / 4; }
-static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
 /* Nodes of a level, all in. */
 typedef cw_tiles nodes;
 
 /* The part to be built again: all of it, or the nodes that depend on some tiles. */
-typedef struct job {
+typedef struct pyramid_job {
     cw_field *f;
     struct cw_pyramid *p;
     cw_tiles tiles;
     cw_refusal *refusal;
     int level;
     nodes nodes; /* of that level, or tiles, or bricks: what is worked on */
-    void (*one)(const struct job *w, size_t x, size_t y);
-} job;
+    void (*one)(const struct pyramid_job *w, size_t x, size_t y);
+} pyramid_job;
 
 static size_t across(const nodes *n) { return n->x_last - n->x + 1; }
 static size_t count(const nodes *n) { return across(n) * (n->y_last - n->y + 1); }
 
 static void do_each(void *context, size_t begin, size_t end) {
-    const job *w = context;
+    const pyramid_job *w = context;
     const fpenv caller = fpenv_enter();
     for (size_t k = begin; k < end; k++)
         w->one(w, w->nodes.x + k % across(&w->nodes), w->nodes.y + k / across(&w->nodes));
     fpenv_leave(caller);
 }
 
-static void do_tile(const job *w, size_t x, size_t y) {
+static void do_tile(const pyramid_job *w, size_t x, size_t y) {
     w->p->holes[y * cw_tiles_across(w->f) + x] = cw_count_holes(w->f, x, y, w->refusal);
     cw_pyramid_tile(w->f, w->p, x, y);
 }
 
-static void do_slab(const job *w, size_t x, size_t y) { cw_pyramid_node_slab(w->f, w->p, w->level, x, y); }
+static void do_slab(const pyramid_job *w, size_t x, size_t y) { cw_pyramid_node_slab(w->f, w->p, w->level, x, y); }
 
 /* ---- ahead ------------------------------------------------------------------------------------------------------- */
 
@@ -57,7 +56,7 @@ static float node_high(const cw_pyramid_level *l, size_t x, size_t y) {
 }
 
 /* The numbers of brick (x, y), from the nodes of it and of the bricks before it. */
-static void do_ahead(const job *w, size_t x, size_t y) {
+static void do_ahead(const pyramid_job *w, size_t x, size_t y) {
     const cw_pyramid_level *l = &w->p->level[w->level];
     const size_t across = 4 * (size_t)l->across + 1, down = 4 * (size_t)l->down + 1;
     float high[5][5];
@@ -72,7 +71,7 @@ static void do_ahead(const job *w, size_t x, size_t y) {
 /* ---- all of it --------------------------------------------------------------------------------------------------- */
 
 /* Nodes of a level that the tiles, level TILE_LEVEL, reach into. */
-static nodes nodes_of(const job *w, int level) {
+static nodes nodes_of(const pyramid_job *w, int level) {
     const cw_tiles *t = &w->tiles;
     if (level >= TILE_LEVEL) {
         const int up = 2 * (level - TILE_LEVEL);
@@ -86,7 +85,7 @@ static nodes nodes_of(const job *w, int level) {
 }
 
 /* The bricks whose numbers ahead depend on them: beyond the field's far borders also those of nodes that it does not have. */
-static nodes ahead_of(const job *w, int level) {
+static nodes ahead_of(const pyramid_job *w, int level) {
     const cw_pyramid_level *l = &w->p->level[level];
     const nodes n = nodes_of(w, level);
     return (nodes){n.x / 4, n.y / 4,
@@ -118,7 +117,7 @@ static void total(cw_field *f, struct cw_pyramid *p) {
 }
 
 /* Everything above the tiles, which are done. */
-static void do_upper(job *w, cw_pool *pool) {
+static void do_upper(pyramid_job *w, cw_pool *pool) {
     struct cw_pyramid *p = w->p;
     w->one = do_slab;
     for (w->level = TILE_LEVEL + 1; w->level < p->levels; w->level++) {
@@ -193,7 +192,7 @@ enum { TILES_AT_ONCE = 4 };
 
 cw_status cw_pyramid_build(cw_field *f, const cw_run *how) {
     cw_refusal refusal = {CW_REFUSED_NONE};
-    job w = {
+    pyramid_job w = {
         .f = f, .tiles = {0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}, .refusal = &refusal, .one = do_tile};
     w.nodes = w.tiles;
     w.p = cw_memory_clear(&f->memory, sizeof *w.p);
@@ -215,7 +214,7 @@ cw_status cw_pyramid_build(cw_field *f, const cw_run *how) {
 
 void cw_pyramid_update(cw_field *f, cw_tiles changed, cw_pool *pool) {
     cw_refusal refusal = {CW_REFUSED_NONE}; /* nothing will be: the samples have been checked */
-    job w = {.f = f, .p = f->pyramid, .tiles = changed, .refusal = &refusal, .nodes = changed, .one = do_tile};
+    pyramid_job w = {.f = f, .p = f->pyramid, .tiles = changed, .refusal = &refusal, .nodes = changed, .one = do_tile};
     cw_pool_run(pool, count(&changed), TILES_AT_ONCE, do_each, &w);
     do_upper(&w, pool);
 }

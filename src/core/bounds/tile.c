@@ -24,8 +24,6 @@ typedef struct tile {
     double steepest; /* so far */
 } tile;
 
-static size_t least(size_t a, size_t b) { return a < b ? a : b; }
-
 /* ---- nodes of any size up to the tile's -------------------------------------------------------------------------- */
 
 /* A row of nodes in the tile. */
