@@ -30,8 +30,8 @@ typedef struct visible_piece {
     float twice; /* its end */
 } visible_piece;
 
-/* What is asked for. */
-enum { VISIBLE_AREA = 1, VISIBLE_FARTHEST = 2 };
+/* What is asked for, whether a target stands above the ground, and whether the land has holes. */
+enum { VISIBLE_AREA = 1, VISIBLE_FARTHEST = 2, VISIBLE_TARGET = 4, VISIBLE_HOLES = 8 };
 
 typedef struct visible_job {
     const float *land; /* the sample of column 0 and row 0 */
@@ -48,7 +48,7 @@ typedef struct visible_job {
     size_t steps;           /* rows that the ray goes through at most */
     float reach;            /* the last piece ends there; 0: at its crossing */
 
-    unsigned asked; /* VISIBLE_AREA, VISIBLE_FARTHEST or both */
+    unsigned look; /* VISIBLE_AREA, VISIBLE_FARTHEST or both, and what else holds */
 
     float eye, target; /* heights above the ground */
     float lift;        /* a bound rises so far above it, target and rounding included */

@@ -23,6 +23,7 @@ typedef struct lanes {
     vfloat z;        /* of the eyes */
     vfloat slope;    /* up to the target at the last crossing; NaN: there is no edge */
     vfloat steepest; /* up to the ground, so far */
+    vfloat low;      /* KEEPS_LOW: steepest less slope as the last crossing found them, times its distance */
     vdouble area;
     vfloat more; /* what is to be subtracted from area: of a run of crossings, the present one */
     size_t run;
@@ -43,7 +44,7 @@ CW_INLINE vfloat slope_to(const visible_crossing *c, vfloat height) {
 /* Adds what is in sight of a piece: from share of its length before its end (late) or after its begin. Areas are negated and
  * subtracted: a difference whose second part is in memory takes an instruction less. */
 CW_INLINE void add_seen(const visible_job *job, lanes *l, const visible_piece *p, vmask seen, vmask late, vfloat share,
-                        unsigned asked, bool cut) {
+                        unsigned look, bool cut) {
     const vfloat begin = vf_set(p->begin), end = vf_set(p->end), part = vf_mul(vf_set(p->length), share);
     vfloat last = vf_select(late, end, vf_add(begin, part));
     const vfloat from_end = vf_mul(part, vf_sub(part, vf_set(p->twice)));
@@ -55,8 +56,8 @@ CW_INLINE void add_seen(const visible_job *job, lanes *l, const visible_piece *p
         seen = vm_and(seen, vf_lt(first, last));
         negated = vf_mul(vf_sub(first, last), vf_add(last, first));
     }
-    if (asked & VISIBLE_AREA) l->more = vf_add(l->more, vf_select(seen, negated, vf_set(0)));
-    if (asked & VISIBLE_FARTHEST) l->farthest = vf_select(seen, last, l->farthest);
+    if (look & VISIBLE_AREA) l->more = vf_add(l->more, vf_select(seen, negated, vf_set(0)));
+    if (look & VISIBLE_FARTHEST) l->farthest = vf_select(seen, last, l->farthest);
 }
 
 /* Areas are summed in float over a run of RUN crossings, and runs in double, because conversion of each piece is slow
@@ -70,10 +71,19 @@ CW_INLINE void enter_run(lanes *l, size_t run) {
     l->run = run;
 }
 
+/* What is lacking to sight at a piece's begin is what was lacking at the end of the piece before, if that was not in sight. Where
+ * no branch leaves pieces out, it need not be computed again. */
+#define KEEPS_LOW(look) (W == 16 && !((look)&VISIBLE_TARGET))
+
+CW_INLINE vfloat lowness(const lanes *l, vfloat slope, float distance) {
+    return vf_mul(vf_sub(l->steepest, slope), vf_set(distance));
+}
+
 /* The pieces that end at crossings from `from` to before `end`. cut: they may end beyond the reach. */
-CW_INLINE void scan(const visible_job *job, const float *eye, lanes *l, size_t from, size_t end, bool above,
-                    unsigned asked, bool cut) {
-    const vfloat target = vf_set(job->target), one = vf_set(1);
+CW_INLINE void scan(const visible_job *job, const float *eye, lanes *l, size_t from, size_t end, unsigned look,
+                    bool cut) {
+    const bool above = look & VISIBLE_TARGET;
+    const vfloat target = vf_set(job->target), zero = vf_set(0), one = vf_set(1);
     for (size_t k = from; k < end; k++) {
         const visible_crossing *c = job->crossing + k;
         const vfloat height = height_over(c, eye, l->z);
@@ -83,14 +93,16 @@ CW_INLINE void scan(const visible_job *job, const float *eye, lanes *l, size_t f
         const vmask early = above ? vf_gt(l->slope, l->steepest) : vm_set(false);
         if (W == 16 || vm_any(above ? vm_or(late, early) : late)) {
             const visible_piece *p = job->piece + k;
-            const vmask begins = vf_eq(l->slope, l->slope), ends = vf_eq(slope, slope);
-            const vfloat before = vf_mul(vf_sub(l->steepest, l->slope), vf_set(p->begin));
-            const vfloat after = vf_mul(vf_sub(slope, l->steepest), vf_set(p->end)), both = vf_add(before, after);
-            vfloat share = vf_div(above ? vf_select(late, after, before) : after, both);
+            const vfloat before = KEEPS_LOW(look) ? vf_max(zero, l->low) : lowness(l, l->slope, p->begin);
+            const vfloat low = lowness(l, slope, p->end), both = vf_sub(low, before);
+            vfloat share = vf_div(above ? vf_select(late, low, vf_sub(zero, before)) : low, both);
             if (above) share = vf_select(vm_and(late, early), one, share);
-            const vmask some = above ? vm_and(vm_or(late, early), ends) : late;
-            add_seen(job, l, p, vm_and(some, begins), above ? late : vm_set(true), share, asked, cut);
+            vmask seen = above ? vm_and(vm_or(late, early), vf_eq(slope, slope)) : late;
+            /* Without holes a ray that has left the land does not come back. */
+            if (look & VISIBLE_HOLES) seen = vm_and(seen, vf_eq(l->slope, l->slope));
+            add_seen(job, l, p, seen, above ? late : vm_set(true), share, look, cut);
             l->steepest = vf_max(above ? slope_to(c, height) : slope, l->steepest);
+            l->low = low;
         }
         l->slope = slope;
     }
@@ -98,7 +110,7 @@ CW_INLINE void scan(const visible_job *job, const float *eye, lanes *l, size_t f
 
 /* The last piece, which is cut. Not inlined, as it would take registers from the others. */
 static __attribute__((noinline)) void scan_last(const visible_job *job, const float *eye, lanes *l, size_t k) {
-    scan(job, eye, l, k, k + 1, job->target > 0, VISIBLE_AREA | VISIBLE_FARTHEST, true);
+    scan(job, eye, l, k, k + 1, job->look | VISIBLE_AREA | VISIBLE_FARTHEST | VISIBLE_HOLES, true);
 }
 
 /* True if no slope in the block of rows before which the ray crosses its k-th row exceeds the steepest one of any lane. */
@@ -112,11 +124,12 @@ CW_INLINE bool block_is_low(const visible_job *job, ptrdiff_t eyes, size_t row, 
 }
 
 CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t most, float *area, float *farthest,
-                    bool above, unsigned asked) {
+                    unsigned look) {
+    const bool above = look & VISIBLE_TARGET;
     const vfloat none = vf_set(-INFINITY), nothing = vf_set(0);
     const float *eye = job->land + (ptrdiff_t)row * job->stride + eyes;
     const vfloat ground = vf_load(eye);
-    lanes l = {.z = vf_add(ground, vf_set(job->eye)), none, none, vd_set(0), nothing, 0, nothing};
+    lanes l = {.z = vf_add(ground, vf_set(job->eye)), none, none, nothing, vd_set(0), nothing, 0, nothing};
     size_t steps = job->rows - 1 - row;
     steps = steps < most ? steps : most;
     steps = steps < job->steps ? steps : job->steps;
@@ -132,8 +145,9 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
     const vfloat first = height_over(job->crossing, eye, l.z);
     const vmask higher = above ? exists : vf_gt(l.z, ground);
     l.slope = slope_to(job->crossing, above ? vf_add(first, vf_set(job->target)) : first);
-    add_seen(job, &l, job->piece, vm_and(higher, vf_eq(first, first)), vm_set(true), vf_set(1), asked, until == 0);
+    add_seen(job, &l, job->piece, vm_and(higher, vf_eq(first, first)), vm_set(true), vf_set(1), look, until == 0);
     l.steepest = vf_max(slope_to(job->crossing, first), none);
+    l.low = lowness(&l, l.slope, job->piece->end);
     bool passed = false;
     for (size_t k = 0; k < steps;) {
         const size_t at = row + k;
@@ -150,14 +164,15 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
             const visible_crossing *c = job->crossing + job->until[k] - 1;
             const vfloat height = height_over(c, eye, l.z);
             l.slope = slope_to(c, above ? vf_add(height, vf_set(job->target)) : height);
+            l.low = lowness(&l, l.slope, job->piece[job->until[k] - 1].end);
             passed = false;
         }
         const size_t to = job->until[end];
         const size_t stop = to < until ? to : until;
         for (size_t from = job->until[k] > 0 ? job->until[k] : 1, next_run; from < stop; from = next_run) {
             next_run = (from / RUN + 1) * RUN;
-            if (asked & VISIBLE_AREA) enter_run(&l, from / RUN);
-            scan(job, eye, &l, from, stop < next_run ? stop : next_run, above, asked, false);
+            if (look & VISIBLE_AREA) enter_run(&l, from / RUN);
+            scan(job, eye, &l, from, stop < next_run ? stop : next_run, look, false);
         }
         k = end;
     }
@@ -173,24 +188,24 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
 }
 
 CW_INLINE void walk_all(const visible_job *job, ptrdiff_t eyes, size_t row, size_t step, size_t count, size_t most,
-                        float *area, float *farthest, bool above, unsigned asked) {
+                        float *area, float *farthest, unsigned look) {
     for (size_t k = 0; k < count; k++, row += step)
         for (size_t lane = 0; lane < VISIBLE_GROUP; lane += LANES, area += LANES, farthest += LANES)
-            walk(job, eyes + (ptrdiff_t)lane, row, most, area, farthest, above, asked);
+            walk(job, eyes + (ptrdiff_t)lane, row, most, area, farthest, look);
 }
 
 /* One for each way of looking: what is not asked for takes no time. */
 static void walk_group(const visible_job *job, ptrdiff_t eyes, size_t row, size_t step, size_t count, size_t most,
                        float *area, float *farthest) {
-#define WALK(above, asked) walk_all(job, eyes, row, step, count, most, area, farthest, above, asked)
-    const bool above = job->target > 0;
-    if (job->asked == VISIBLE_AREA)
-        above ? WALK(true, VISIBLE_AREA) : WALK(false, VISIBLE_AREA);
-    else if (job->asked == VISIBLE_FARTHEST)
-        above ? WALK(true, VISIBLE_FARTHEST) : WALK(false, VISIBLE_FARTHEST);
-    else
-        above ? WALK(true, VISIBLE_AREA | VISIBLE_FARTHEST) : WALK(false, VISIBLE_AREA | VISIBLE_FARTHEST);
-#undef WALK
+#define LOOK(look)                                                                                                     \
+    case look:                                                                                                         \
+        walk_all(job, eyes, row, step, count, most, area, farthest, look);                                             \
+        break;
+#define LOOKS(more)                                                                                                    \
+    LOOK(VISIBLE_AREA | (more)) LOOK(VISIBLE_FARTHEST | (more)) LOOK(VISIBLE_AREA | VISIBLE_FARTHEST | (more))
+    switch (job->look) { LOOKS(0) LOOKS(VISIBLE_HOLES) LOOKS(VISIBLE_TARGET | VISIBLE_HOLES) }
+#undef LOOKS
+#undef LOOK
 }
 
 static void bound_row(float *to, const float *from, const ptrdiff_t *at, size_t count, size_t width) {

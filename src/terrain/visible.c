@@ -131,9 +131,11 @@ static cw_status add(cw_visible *v, const cw_run *how, const cw_visible_desc *de
                           .entry = s->entry,
                           .steps = s->steps,
                           .reach = s->ends ? (float)s->reach : 0,
-                          .asked = (to.area ? VISIBLE_AREA : 0u) | (to.farthest ? VISIBLE_FARTHEST : 0u),
+                          .look = (to.area ? VISIBLE_AREA : 0u) | (to.farthest ? VISIBLE_FARTHEST : 0u),
                           .eye = desc->eye,
                           .target = desc->target};
+    if (desc->target > 0) w.job.look |= VISIBLE_TARGET | VISIBLE_HOLES;
+    if (v->samples.holes > 0) w.job.look |= VISIBLE_HOLES;
     for (int l = 0; l < VISIBLE_LEVELS; l++) w.job.bound[l] = v->bound_memory[l] + AROUND + VISIBLE_MARGIN;
     w.job.lift = (float)((double)desc->target + rounding(&v->samples, desc->eye, desc->target));
     w.scale = 0.5 * desc->weight / (longest * longest);
