@@ -46,7 +46,7 @@ on every CPU and for any number of threads.")
 endif()
 cellwalk_package(development libcellwalk-dev libdevel "exact ray queries on height fields - development files
 Cellwalk finds where rays hit terrain. This package has the headers, the static
-library, and files for CMake and pkg-config.")
+libraries, files for CMake and pkg-config, and the guide with an example.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 if(TARGET cellwalk)
     set(CPACK_COMPONENT_DEVELOPMENT_DEPENDS library)
