@@ -259,7 +259,7 @@ static char *help_of_kinds(void) {
 }
 
 static int start_measure(int argc, char **argv) {
-    measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 65536, .width = 0.04, .pass = 5};
+    measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 65536, .width = 0.04, .pass = 10};
     const option_spec options[] = {
         {"out", "FILE", "write results there after each line of the plan, a JSON object each", OPTION_TEXT,
          .to = &o.out, .letter = 'o'},
@@ -268,8 +268,8 @@ static int start_measure(int argc, char **argv) {
         {"cellsize", "SIZE", "cell size of a raster that does not say, in its unit of heights", OPTION_REAL,
          .to = &o.cell_size, .low = 1e-9, .high = 1e9},
         {"count", "N", "rays of a pass (65536)", OPTION_COUNT, .to = &o.count, .low = 16, .high = 1 << 24},
-        {"pass", "S", "contenders that need longer for a pass are left out, and listed (5)", OPTION_REAL, .to = &o.pass,
-         .low = 1e-3, .high = 1e6},
+        {"pass", "S", "contenders that need longer for a pass are left out, and listed (10)", OPTION_REAL,
+         .to = &o.pass, .low = 1e-3, .high = 1e6},
         {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program",
          OPTION_TEXT, .to = &o.scenes},
         {"seconds", "S", "seconds for all timing together (10 a line of the plan)", OPTION_REAL, .to = &o.seconds,

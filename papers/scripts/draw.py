@@ -335,7 +335,7 @@ def _cell(code, line):
         return ABSENT
 
 
-def listing(rows, a):
+def listing(rows, a, run):
     pairs = columns(a["cols"])
     if "group" in a:
         rows = merged(rows, a["group"])
@@ -343,7 +343,7 @@ def listing(rows, a):
         rows = sorted(rows, key=lambda line: eval(a["sort"], {"__builtins__": {}}, Names(line)))
     body = []
     for line in rows:
-        cells = [_cell(code, line) for _, code in pairs]
+        cells = [_cell(code, {"run": run, **line}) for _, code in pairs]
         body.append(["" if cell is None else digits(Number.of(cell, line)) if isinstance(cell, float) else cell for cell in cells])
     return table([title for title, _ in pairs], body)
 
@@ -365,7 +365,7 @@ def made(kind, query, data):
         runs = [run for run, _ in found]
         return re.sub(r"\{(.+?)\}", lambda m: str(evaluate(m[1], rows, run, runs)), template.strip()) + "\n"
     about = f"{run_text(run)}.\n\n" if "about" in a else ""
-    return about + (pivot(rows, run, a) if kind == "table" else listing(rows, a))
+    return about + (pivot(rows, run, a) if kind == "table" else listing(rows, a, run))
 
 
 def sources(data):

@@ -2,7 +2,7 @@
 """Products of a large raster by chunks, on one or more worker processes: prints JSON lines with seconds, bytes read and the
 greatest memory of a worker.
 
-    python3 python_dask.py --raster dem.tif --workers 2 [--side 16385] [--tool build/release/src/tool/cellwalk]
+    python3 python_dask.py --raster dem.tif --workers 2 [--side 8193] [--tool build/release/src/tool/cellwalk]
 
 The raster is made first if there is none. With --tool, results are compared with the program's, which uses no chunks.
 """
@@ -80,7 +80,7 @@ def differing(product, source, out, tool):
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--raster", required=True)
-    options.add_argument("--side", type=int, default=16385)
+    options.add_argument("--side", type=int, default=8193)
     options.add_argument("--workers", type=int, nargs="*", default=[1, 2])
     options.add_argument("--products", nargs="*", default=list(PRODUCTS), choices=list(PRODUCTS))
     options.add_argument("--tool")
