@@ -16,8 +16,8 @@ typedef struct outcome {
 bool outcome_begin(outcome *o, size_t values, io_error *error);
 void outcome_end(outcome *o);
 
-/* Cells of the product as floats, with NaN for no data: floats before they are packed. */
-void outcome_read(const io_raster_product *p, const void *cells, size_t n, float *values);
+/* Cells of the product as floats, with NaN for no data: these themselves if they are floats, before they are packed; else values. */
+const float *outcome_read(const io_raster_product *p, const void *cells, size_t n, float *values);
 void outcome_take(outcome *o, const float *values, size_t n);
 /* Only counts cells, of which no quantile is asked for: without floats, and fast. False for kinds of cells that it does not count. */
 bool outcome_count(outcome *o, const io_raster_product *p, const void *cells, size_t n);

@@ -279,9 +279,11 @@ double cw_sight_need(const sight *s, double i, double j, double z, double low) {
 }
 
 double cw_sight_need_known(const sight *s, double i, double j, double z, double rise, double error, sight_parts parts) {
+    const double top = z - s->eye[2] - cw_sight_fall(s, i, j), steepest = rise > top ? rise : top;
+    if (!(fabs(rise - top) > error)) return NAN;
+    if (!(parts.close > 0 || parts.eye)) return steepest - top;
     const way w = way_to(s, i, j, z, 0);
-    if (!(fabs(rise - w.top) > error)) return cw_sight_need(s, i, j, z, rise - error);
-    need n = {fmax(rise, w.top), 0};
+    need n = {steepest, 0};
     if (parts.close > 0) look_between(&w, 0, fmin(parts.close / w.length, 1), look_for_need, &n);
     if (parts.eye) look_between(&w, 1 - 1 / w.length, 1, look_for_need, &n);
     return fmax(n.steepest - w.top, n.excess);

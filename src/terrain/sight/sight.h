@@ -71,7 +71,7 @@ bool cw_sight_sees(const sight *s, double i, double j, double z, double above, s
 double cw_sight_need(const sight *s, double i, double j, double z, double low);
 
 /* The same, where the steepest rise on the way is known to be rise, off by less than error, but for these parts of
- * the way. */
+ * the way. NaN if that does not say whether the rise matters. */
 double cw_sight_need_known(const sight *s, double i, double j, double z, double rise, double error, sight_parts parts);
 
 /* The first place on the way to (i, j), at height z in the samples' numbers, at which the straight line to there is

@@ -65,9 +65,10 @@ typedef struct part {
     /* The greatest so far: steps between neighbours, and the numbers whose rounding matters, per distance. */
     double step, snap, size, rise;
     double margin; /* planes that pass the eye this near may face it or not */
-    double ahead;  /* the steepest rise to a sample exactly ahead, on the ways to all those behind it */
+    double ahead;  /* the steepest rise to a sample exactly ahead or on the diagonal, of which a part has one */
 
     double around[AROUND]; /* rises next to the eye, in so many ranges of directions */
+    double around_most;    /* the greatest of them */
     float *columns;        /* COLUMNS_AT_ONCE columns of the field, as rows, and the last before them */
     long columns_from, columns_left, columns_right;
 } part;
@@ -218,15 +219,18 @@ static void add_between(part *p, double r, long begin, long end, uint32_t start)
     }
 }
 
-/* A direction at a border of two ranges, as far as rounding can tell, has the steeper rise. */
-static double around(const part *p, double u) {
+/* Whether something next to the eye may be that high at a distance. A direction at a border of two ranges, as far as rounding can
+ * tell, has the steeper rise. */
+static inline bool reaches_around(const part *p, double u, double r, double height) {
+    if (!(p->around_most * r >= height)) return false;
     const double place = (u - p->from) / (p->until - p->from) * AROUND;
     const int low = (int)(place - 1e-6), high = (int)(place + 1e-6);
     const double one = p->around[low < AROUND ? low : AROUND - 1], other = p->around[high < AROUND ? high : AROUND - 1];
-    return one > other ? one : other;
+    return (one > other ? one : other) * r >= height;
 }
 
 static void look_around(part *p) {
+    p->around_most = -INFINITY;
     for (int k = 0; k < AROUND; k++) {
         double direction[2][2];
         for (int end = 0; end < 2; end++) {
@@ -234,6 +238,7 @@ static void look_around(part *p) {
             direction[end][p->swapped ? 1 : 0] = p->from + (k + end) * ((p->until - p->from) / AROUND);
         }
         p->around[k] = cw_sight_around(p->sight, direction[0], direction[1]);
+        p->around_most = larger(p->around[k], p->around_most);
     }
 }
 
@@ -242,6 +247,7 @@ static void look_around(part *p) {
 static void visit_row(part *p, long row, long begin, long end, uint32_t start, bool calm) {
     const double r = distance(p, row), per_row = 1 / r, error = error_of(p, r);
     const bool rising = p->outward > 0, all = r <= close_rows, every = p->target == INFINITY;
+    const bool on_samples = p->aside == floor(p->aside) && p->eye == floor(p->eye);
     const double *left_of = rising ? p->front : p->back, *right_of = rising ? p->back : p->front;
     for (long i = begin; i < end; i++) {
         const double h = p->far_height[i];
@@ -258,8 +264,9 @@ static void visit_row(part *p, long row, long begin, long end, uint32_t start, b
         const double top = (h + p->target) * per_row;
         if (!all && top < low - error) continue;
         sweep_way way = {.low = (low - error) * r, .unsure = {INFINITY, true}};
-        if (every && x == 0 &&
-            r >= 1) { /* beside holes the skyline is unsure there, and each way would be followed to the eye */
+        /* On these ways all samples before count, and the skyline is unsure: beside holes, and where edges lead to the eye. Each way
+         * would be followed to the eye. */
+        if (every && r >= 1 && (x == 0 || (on_samples && fabs(x) == r))) {
             way.low = larger((p->ahead - error) * r, way.low);
             p->ahead = larger(h * per_row, p->ahead);
         }
@@ -269,11 +276,11 @@ static void visit_row(part *p, long row, long begin, long end, uint32_t start, b
             way.rise = most * r;
             way.error = most == -INFINITY ? 0 : (most - least + doubt + 0x1p-48 * p->size) * r;
             way.unsure.close = calm ? 0 : 2; /* calm: no edge in reach comes up to the skyline */
-            way.unsure.eye = around(p, u) * r >= larger(least * r, h) - error * r;
+            way.unsure.eye = reaches_around(p, u, r, larger(least * r, h) - error * r);
         }
         if (!(all || every) && top > high + error && p->target >= 0) {
             way.unsure.close = leans < -p->margin ? 0 : 2;
-            way.unsure.eye = around(p, u) * r >= h + p->target;
+            way.unsure.eye = reaches_around(p, u, r, h + p->target);
         }
         const size_t at[2] = {p->swapped ? (size_t)row : (size_t)i, p->swapped ? (size_t)i : (size_t)row};
         p->visit(p->context, at[0], at[1], &way);

@@ -107,14 +107,12 @@ static void measure_sample(void *context, size_t i, size_t j, const sweep_way *w
     const size_t k = place_of(q, i, j);
     if (k == SIZE_MAX || (v->limits.any && !cw_view_limits_have(&v->limits, (double)i, (double)j, 0))) return;
     const double z = (double)terrain_row(v->terrain, j)[i], metres = v->terrain->map[2][2];
-    double need;
-    if (!way->known) {
-        need = cw_sight_need(&v->sight, (double)i, (double)j, z, way->low);
-    } else {
+    double need = NAN, low = way->low;
+    if (way->known) {
         need = cw_sight_need_known(&v->sight, (double)i, (double)j, z, way->rise, way->error, way->unsure);
-        if (!is_sure(need * metres, way->error * metres))
-            need = cw_sight_need(&v->sight, (double)i, (double)j, z, way->rise - way->error);
+        low = fmax(low, way->rise - way->error); /* where the skyline has a step, the error is large */
     }
+    if (!is_sure(need * metres, way->error * metres)) need = cw_sight_need(&v->sight, (double)i, (double)j, z, low);
     q->to.needed[k] = (float)(need * metres);
 }
 

@@ -128,11 +128,10 @@ static bool take_block(writing *w, size_t row, size_t rows, io_error *error) {
     const io_raster_product *p = &w->product->raster;
     const ground *g = &w->product->ground;
     if (w->picture == NULL && outcome_count(&w->outcome, p, w->cells, rows * p->nx)) return true;
-    outcome_read(p, w->cells, rows * p->nx, w->values);
-    outcome_take(&w->outcome, w->values, rows * p->nx);
+    const float *values = outcome_read(p, w->cells, rows * p->nx, w->values);
+    outcome_take(&w->outcome, values, rows * p->nx);
     const size_t first = g->window.i - g->terrain.column, local = row * w->step + g->window.j - g->terrain.row;
-    return w->picture == NULL ||
-           picture_take(w->picture, row, rows, w->values, &g->terrain, first, local, w->step, error);
+    return w->picture == NULL || picture_take(w->picture, row, rows, values, &g->terrain, first, local, w->step, error);
 }
 
 static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
