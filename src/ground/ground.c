@@ -148,11 +148,12 @@ bool ground_check(const ground *g, cw_rectangle piece, double more, io_error *er
 
 /* Warnings of the header are not repeated, nor the same warning for piece after piece. */
 static void warn_of_samples(void *context, const char *text) {
-    enum { ENOUGH = 4 };
     ground *g = context;
     const bool of_samples = strstr(text, "--nodata") != NULL || strstr(text, "heights are floats") != NULL;
-    if (!of_samples || strncmp(text, g->warned, sizeof g->warned - 1) == 0 || g->warnings++ >= ENOUGH) return;
-    snprintf(g->warned, sizeof g->warned, "%s", text);
+    if (!of_samples || g->warnings == GROUND_WARNINGS) return;
+    for (size_t k = 0; k < g->warnings; k++)
+        if (strncmp(text, g->warned[k], sizeof g->warned[k] - 1) == 0) return;
+    snprintf(g->warned[g->warnings++], sizeof g->warned[0], "%s", text);
     warn(g, text);
 }
 

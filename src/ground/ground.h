@@ -7,6 +7,8 @@
 #include "reach.h"
 #include "terrain.h"
 
+enum { GROUND_WARNINGS = 4 }; /* of samples: most that are printed */
+
 typedef struct ground {
     const char *path;
     io_raster_options reading;
@@ -26,7 +28,7 @@ typedef struct ground {
     cw_rectangle piece;
     terrain terrain;
     size_t pieces, warnings; /* that were read, and printed since then */
-    char warned[300];        /* the last one */
+    char warned[GROUND_WARNINGS][300];
 } ground;
 
 /* Reads the raster's size, map and place. path, reading, coarser, watch, query and bytes are set; the window is all of it. */
