@@ -191,7 +191,7 @@ static const row table[] = {
     {"corners behind holes", corner_behind_hole, ray_through_corners, pyramids, CORNERS, CORNERS, 1, 1, .slow = true,
      .hits = 1},
     {"climb", towers_beside_nodes, climbing_rays, pyramids, 240, 12, 1024, 1024, .some_miss = true, .hits = 0.05},
-    {"climb far out", wide_towers_beside_nodes, climbing_rays, pyramids, 1, 1, 60 << 10, 8 << 10, .slow = true,
+    {"climb far out", wide_towers_beside_nodes, climbing_rays, pyramids, 1, 1, 60 << 10, 2 << 10, .slow = true,
      .some_miss = true, .hits = 0.05},
     {"few", small_shape, rays_in_turn, small_calls, 3, 3, 6000, 1500, .hits = 0.05},
     {"few over a cliff", cliff, rays_over_cliff, small_calls, 2, 1, 6000, 1500, .some_miss = true, .hits = 0.3},

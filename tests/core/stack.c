@@ -200,7 +200,7 @@ static void threads_of_pools_have_more(void **state) {
     assert_int_equal(pthread_setattr_default_np(&how), 0);
     assert_int_equal(pthread_attr_destroy(&how), 0);
     check_status(cw_pool_create(4, &pool), CW_OK);
-    for (int round = 0; round < 20; round++) cw_pool_run(pool, ITEMS, 1, take_much, done);
+    for (size_t round = test_share(20, 2); round > 0; round--) cw_pool_run(pool, ITEMS, 1, take_much, done);
     for (size_t k = 0; k < ITEMS; k++) assert_int_equal(done[k], 1);
     cw_pool_destroy(pool);
 #else

@@ -44,6 +44,7 @@ static void the_plan_changes_no_pixel(void **state) {
     for (int m = 0; m < MAKERS; m++) {
         scene *s = makers[m]();
         for (int normals = 0; normals < NORMALS; normals++) {
+            if (!test_takes((size_t)(m + normals), 2)) continue;
             scene_render_options options = with_normals(normals);
             scene_render_stats planned, general;
             io_image image = pictures_render(s, &options, &planned);
@@ -66,6 +67,7 @@ static void instruction_sets_change_no_pixel(void **state) {
     for (int m = 0; m < MAKERS; m++) {
         scene *s = makers[m]();
         for (int normals = 0; normals < NORMALS; normals++) {
+            if (!test_takes((size_t)(m + normals), 2)) continue;
             const scene_render_options options = with_normals(normals);
             io_image first = {0};
             for (int isa = CW_ISA_SCALAR; isa < CW_ISA_COUNT; isa++) {
@@ -131,7 +133,8 @@ static void all_normals_of_a_plane_are_its_own(void **state) {
     (void)state;
     normals_of_a_plane_of(40, 40);
     for (int nu = 2; nu <= 5; nu++)
-        for (int nv = 2; nv <= 5; nv++) normals_of_a_plane_of(nu, nv);
+        for (int nv = 2; nv <= 5; nv++)
+            if (test_takes((size_t)(nu + nv), 4)) normals_of_a_plane_of(nu, nv);
 }
 
 /* ---- which rays are asked ----------------------------------------------------------------------------------------- */
@@ -200,6 +203,7 @@ static void a_crop_is_a_part_of_the_whole(void **state) {
     scene *s = pictures_full_scene();
     io_image whole = pictures_render(s, &(scene_render_options){.threads = 1, .phong = true}, NULL);
     for (size_t k = 0; k < sizeof crops / sizeof crops[0]; k++) {
+        if (!test_takes(k, 3)) continue;
         const scene_crop c = crops[k];
         scene_render_stats stats;
         io_image part = pictures_render(s, &(scene_render_options){.threads = 2, .phong = true, .crop = c}, &stats);

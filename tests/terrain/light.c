@@ -360,6 +360,7 @@ static void distances_of_horizons(void **state) {
         const cw_horizon desc = {.start = 11, .count = 5, .max_distance = distances[k]};
         const cw_horizon h = desc;
         for (uint32_t d = 0; d < desc.count; d++) {
+            if (!test_takes(k * desc.count + d, 4)) continue;
             check_status(cw_horizon_angles(&g.terrain, NULL, &h, (uint32_t)d, (cw_area){0}, NULL, metres), CW_OK);
             for (size_t n = 0; n < places; n++) {
                 const outlook o = random_outlook(&g, &r, azimuth_of(&g, &h, d), desc.max_distance);
@@ -379,7 +380,7 @@ static void distances_of_horizons(void **state) {
             }
         }
     }
-    check(near > 5 * places / 3 && found - near > 5 * places / 3, "%zu of %zu are near", near, found);
+    check(near > found / 9 && found - near > found / 9, "%zu of %zu are near", near, found);
     ground_free(&g);
 }
 

@@ -244,7 +244,7 @@ static void whole_heights(void **state) {
     plane p = {.r = {11}};
     random_state *r = &p.r;
     tally sum = {0};
-    const size_t lands = 60 / test_step(4) * test_rounds();
+    const size_t lands = 60 / test_step(8) * test_rounds();
     for (size_t land = 0; land < lands; land++) {
         ground g;
         tilt(&p);
@@ -337,7 +337,7 @@ static void beside_lines_holes_and_borders(void **state) {
     shore s = {.r = {15}};
     random_state *r = &s.r;
     tally sum = {0};
-    const size_t lands = 80 / test_step(4) * test_rounds();
+    const size_t lands = 80 / test_step(8) * test_rounds();
     for (size_t land = 0; land < lands; land++) {
         ground g;
         s.kind = (int)random_below(r, 3);

@@ -87,7 +87,7 @@ def test_fields_of_every_kind():
     masked = 0
     for c, command in enumerate(COMMANDS):
         for f, field in enumerate(FIELDS):
-            if c < 3 or ((c + f) % 2 == 0 and takes((c * len(FIELDS) + f) // 2, 2)):
+            if c < 3 or ((c + f) % 2 == 0 and takes((c * len(FIELDS) + f) // 2, 3)):
                 masked += check_text(*(field if word == "@" else word.encode() for word in command.split()))
     assert masked > len(COMMANDS) * len(FIELDS) / 8
 
