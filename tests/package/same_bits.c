@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Prints the number of kernels, counted once for each leaf test, and a hash of the bits of hits that all of them return, alone and on a pool. Systems and C
- * libraries must not differ in it. Heights and rays are made by integers and exact divisions alone. */
+/* Prints the number of kernels, counted once for each leaf test, and a hash of the bits of hits that all of them return, alone and
+ * on a pool. Systems and C libraries must not differ in it, nor a program that is compiled with -ffast-math. Heights and rays are
+ * made by integers and exact divisions alone. */
 
 #include <cellwalk_expert.h>
 
@@ -26,7 +27,7 @@ static uint32_t next(void) { /* Marsaglia's xorshift */
     return state;
 }
 
-/* From -scale to scale, a multiple of 2^-23 of it: of few bits products would be exact, and it would be no matter if they were fused. */
+/* From -scale to scale, a multiple of 2^-23 of it. Products of fewer bits would be exact, fused or not. */
 static float number(float scale) { return ((float)(next() >> 8) / 8388608 - 1) * scale; }
 
 int main(void) {
@@ -36,17 +37,25 @@ int main(void) {
         *r = (cw_ray){.org = {SIDE / 2 + number(SIDE / 2), SIDE / 2 + number(SIDE / 2), number(4)}, .tmax = 1e9f};
         for (int c = 0; c < 3; c++) r->dir[c] = number(1);
     }
+    const uint32_t holes[2] = {0x7fc00000,
+                               0x7f800000}; /* NaN and infinity, which a compiler with -ffast-math does not know */
+    memcpy(&samples[20 * SIDE + 20], &holes[0], sizeof holes[0]);
+    memcpy(&samples[20 * SIDE + 25], &holes[1], sizeof holes[1]);
+    rays[0] =
+        (cw_ray){.org = {20.25f, 19.75f, 9}, .dir = {0, 0, -1}, .tmax = 100}; /* through triangles at the first one */
     const cw_field_desc desc = {.samples = samples, .nx = SIDE, .ny = SIDE};
     cw_field *field;
     cw_pool *pool;
     if (cw_field_create(&desc, NULL, &field) != CW_OK || cw_pool_create(3, &pool) != CW_OK)
         return fail("no field or pool");
+    if (cw_field_describe(field).holes != 2) return fail("holes are not counted");
     int kernels = 0;
     uint64_t hash = 14695981039346656037u; /* FNV-1a */
     /* Of each leaf test: answers of one are computed in float, in which it shows soonest if a multiply and an add are fused. */
     for (cw_leaf leaf = CW_LEAF_MOLLER_TRUMBORE; leaf < CW_LEAF_COUNT; leaf++) {
         const cw_run plain = {.expert = {.kernel = cw_kernel_find("cell"), .leaf = leaf}};
         if (cw_closest(field, &plain, rays, RAYS, expected) != CW_OK) return fail("cell");
+        if (expected[0].i != -1) return fail("a ray hits a hole");
         for (size_t k = 0; k < cw_kernel_count(); k++) {
             const char *name = cw_kernel_describe(cw_kernel_at(k)).name;
             cw_run run = {.expert = {.kernel = cw_kernel_at(k), .leaf = leaf}};
