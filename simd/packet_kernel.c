@@ -5,23 +5,27 @@
 
 #include "flat_walk.h"
 #include "kernels.h"
-#include "short_way.h"
 
 #include <math.h>
 #include <string.h>
 
-/* True if some ray is long by the guess of short_way.h. guessed: rays that are short by their slab alone. As the slab can be wrong, they
- * get a nearer end; one that finds nothing before it has no answer yet. */
-CW_INLINE bool some_are_long(packet *l, const cw_field *f, const cw_ray *rays, vmask *guessed) {
-    const vfloat speed = vf_add(vf_abs(l->r.x.dir), vf_abs(l->r.y.dir));
-    *guessed = vm_and(l->alive, vf_gt(vf_mul(vf_sub(l->r.until, l->r.from), speed), vf_set(SHORT_CELLS)));
+/* Below SHORT_CELLS cells calls of few rays take less time from cell to cell than over the pyramid, for which rays must be queued. */
+enum { SHORT_CELLS = 32, SHORT_TURNS = 40 };
+
+/* True if some ray, in its first cell, seems to cross more cells. guessed: rays that seem short only because they soon fall to the height of
+ * that cell's first sample. As the ground may fall away, they get a nearer end; one that finds nothing before it has no answer yet.
+ * Rejected: the slab of the 16 × 16 cells below, more often right but one more miss of the cache (papers/walks.md). */
+CW_INLINE bool some_are_long(packet *l, const cw_field *f, vmask *guessed) {
+    vray *r = &l->r;
+    const vfloat speed = vf_add(vf_abs(r->x.dir), vf_abs(r->y.dir)), most = vf_set(SHORT_CELLS);
+    *guessed = vm_and(l->alive, vf_gt(vf_mul(vf_sub(r->until, r->from), speed), most));
     if (!vm_any(*guessed)) return false;
-    for (unsigned left = vm_bits(*guessed); left != 0; left &= left - 1) {
-        const cw_ray *r = &rays[__builtin_ctz(left)];
-        if (!short_over_slab(f, r, short_speed(r))) return true;
-    }
-    const vfloat until = vf_min(vf_add(l->r.from, vf_div(vf_set(SHORT_TURNS), speed)), l->r.until);
-    l->r.until = vf_select(*guessed, until, l->r.until);
+    const vfloat height = vf_sub(vf_mul(r->from, r->dz), above_origin(r, vf_gather(f->z, l->sample, l->alive)));
+    const vfloat zero = vf_set(0);
+    const vmask falls = vm_and(vf_ge(height, zero), vf_le(vf_mul(height, speed), vf_mul(most, vf_sub(zero, r->dz))));
+    if (vm_any(vm_andnot(*guessed, falls))) return true;
+    const vfloat until = vf_min(vf_add(r->from, vf_div(vf_set(SHORT_TURNS), speed)), r->until);
+    r->until = vf_select(*guessed, until, r->until);
     return false;
 }
 
@@ -31,12 +35,12 @@ CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, siz
                            bool if_short, vstart *start) {
     vmask guessed = vm_set(false);
     l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, leaf, start));
-    if (if_short && some_are_long(l, f, rays, &guessed)) return false;
     const vfloat zero = vf_set(0);
     l->found = vm_set(false);
     /* As it stays in registers, clearing costs nothing, and a branch at the first hit would. */
     l->hit = (found_hits){{zero, zero, l->found}, zero, zero, zero, zero, zero};
     flat_start(l, f);
+    if (if_short && some_are_long(l, f, &guessed)) return false;
     while (vm_any(l->alive)) /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */
         flat_step(l, f, leaf, any, true);
     return !if_short || !vm_any(vm_andnot(guessed, l->found));

@@ -68,7 +68,13 @@ static inline int_reg ri_where(mask_reg m, int_reg a) { return (int_reg){m.v ? a
 static inline float_reg rf_flip(float_reg a, float_reg sign) {
     return (float_reg){signbit(sign.v) ? -a.v : a.v};
 } /* sign: 0 or -0 */
-static inline float_reg rf_power_of_2(int_reg k) { return (float_reg){ldexpf(1, k.v)}; } /* k in [-126, 127] */
+static inline float_reg rf_power_of_2(int_reg k) { /* k in [-126, 127] */
+    const union {
+        int32_t bits;
+        float v;
+    } a = {(k.v + 127) * (1 << 23)};
+    return (float_reg){a.v};
+}
 
 static inline mask_reg rm_and(mask_reg a, mask_reg b) { return (mask_reg){a.v && b.v}; }
 static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){a.v || b.v}; }

@@ -28,7 +28,10 @@ typedef struct query_job {
 static void trace_piece(const query_job *q, const cw_ray *rays, size_t begin, size_t n) {
     cw_hit *const hits = q->hits ? q->hits + begin : NULL;
     uint8_t *const occluded = q->hits ? NULL : q->occluded + begin;
-    if (q->if_short && q->if_short(q->field, rays, n, hits, occluded)) return;
+    if (q->if_short) { /* two long rays take less time one after the other */
+        if (q->if_short(q->field, rays, n, hits, occluded)) return;
+        if (n == 2 && cw_one(q->field, rays, n, hits, occluded)) return;
+    }
     q->how.expert.kernel->code->trace[q->how.expert.leaf](q->field, rays, n, hits, occluded);
 }
 
@@ -66,6 +69,16 @@ static cw_status query(const cw_field *field, const cw_run *run, const cw_ray *r
     if (n > 0 && rays == NULL && user_rays == NULL) return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
     if (n > 0 && hits == NULL && occluded == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu rays", out_name, n);
+    if (run == NULL && n == 1 && rays != NULL) { /* all that one ray needs */
+        const door_pass in = door_enter(&field->door);
+        if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
+        const fpenv caller = fpenv_enter();
+        if (!cw_one(field, rays, 1, hits, occluded))
+            cw_pyramid1.trace[CW_LEAF_WATERTIGHT](field, rays, 1, hits, occluded);
+        fpenv_leave(caller);
+        door_leave(in);
+        return CW_OK;
+    }
     query_job q; /* no initialiser: it would clear how first */
     q.field = field, q.rays = rays, q.user_rays = user_rays, q.hits = hits, q.occluded = occluded;
     cw_status status = cw_run_begin(run, &q.how);

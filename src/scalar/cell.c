@@ -8,8 +8,8 @@ static inline void trace_cells(const cw_field *f, const cw_ray *rays, size_t n, 
                                uint8_t *occluded) {
     for (size_t k = 0; k < n; k++) {
         if (hits == NULL)
-            occluded[k] = cell_walk(f, &rays[k], leaf, true, NULL, NULL);
-        else if (!cell_walk(f, &rays[k], leaf, false, NULL, &hits[k]))
+            occluded[k] = cell_walk(f, &rays[k], leaf, true, NULL);
+        else if (!cell_walk(f, &rays[k], leaf, false, &hits[k]))
             hits[k] = miss();
     }
 }

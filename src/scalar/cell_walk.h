@@ -42,8 +42,7 @@ static inline bool mt_find(const strict_ray *r, const strict_cell *c, strict_fin
     return true;
 }
 
-/* turns: gives up after so many, and leaves 0 of them; NULL: never. */
-static inline bool cell_walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, bool any, size_t *turns, cw_hit *hit) {
+static inline bool cell_walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, bool any, cw_hit *hit) {
     strict_ray r;
     if (!strict_ray_init(&r, f, ray, leaf)) return false;
     const size_t cells_x = f->nx - 1, cells_y = f->ny - 1;
@@ -66,7 +65,6 @@ static inline bool cell_walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf,
             j += (size_t)(ptrdiff_t)r.y.step;
             if (j >= cells_y) return false;
         }
-        if (turns != NULL && --*turns == 0) return false;
     }
 }
 

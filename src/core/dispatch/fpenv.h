@@ -9,10 +9,10 @@
 
 #if defined(__SSE__)
 typedef unsigned fpenv;
-enum { FPENV_DEFAULT = 0x1f80 }; /* MXCSR after reset */
+enum { FPENV_DEFAULT = 0x1f80, FPENV_FLAGS = 0x3f }; /* MXCSR after reset; its exception flags, which change nothing */
 static inline fpenv fpenv_enter(void) {
     const fpenv caller = __builtin_ia32_stmxcsr();
-    if (caller != FPENV_DEFAULT) __builtin_ia32_ldmxcsr(FPENV_DEFAULT);
+    if ((caller & ~(unsigned)FPENV_FLAGS) != FPENV_DEFAULT) __builtin_ia32_ldmxcsr(FPENV_DEFAULT);
     return caller;
 }
 /* Also drops the exception flags that the query raised. */

@@ -19,7 +19,7 @@ static const cw_kernel kernels[] = {
     {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, OTHER(lanes, NULL)},
     CELLWALK_KERNELS
 #undef KERNEL
-    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, OTHER(1, cw_short1)},
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, OTHER(1, cw_one)},
 #define KERNEL(set, lanes) \
     {"pyramid" #lanes, "bounds pyramid, " #lanes " lanes, single rays in pairs of " #lanes, \
      CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, OTHER(lanes, cw_short##lanes)},

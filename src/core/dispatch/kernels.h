@@ -11,7 +11,7 @@ enum { CW_FEW_RAYS = 8 };
 /* Traces rays[0..n) and writes hits[0..n), or occluded[0..n) if hits is NULL. Runs in the IEEE default environment. */
 typedef void cw_trace_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
-/* The same if each ray goes over some cells only, as far as can be told (short_way.h); else false, and answers are unspecified. */
+/* The same for few rays, with the watertight test; false if another walk is better, and then answers are unspecified. */
 typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
 /* Samples i to i_end, j to j_end of a rectangle, without the ends: see heading.h. */
@@ -35,7 +35,7 @@ struct cw_kernel {
     cw_heading_fn *heading;
     cw_to_field_fn *to_field;
     cw_status (*build)(cw_field *field); /* makes the field's guest, if the bounds alone do not serve it */
-    cw_short_fn *if_short;               /* the first attempt for few rays, with the watertight test; or NULL */
+    cw_short_fn *if_short;               /* the first attempt for few rays, or NULL */
 };
 
 /* The kernel that cw_kernel_find returns for an unknown name. */
@@ -50,9 +50,9 @@ cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 /* Kernels of another library, which come before those of this one. Before the first other call, and once. */
 void cw_kernels_add(const cw_kernel *first, size_t count);
 
-/* src/scalar/cell.c and cell_short.c */
+/* src/scalar/cell.c and one.c */
 extern const cw_kernel_code cw_cell;
-cw_short_fn cw_short1;
+cw_short_fn cw_one;
 
 /* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the instruction sets of simd/isas.cmake */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
