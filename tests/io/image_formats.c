@@ -2,7 +2,8 @@
 /* Pictures survive the way to a file and back as far as the format promises, and damaged files are refused. */
 
 #include "check.h"
-#include "read_picture.h"
+#include "half.h"
+#include "image.h"
 #include "scratch.h"
 #include "workload/random.h"
 
@@ -15,6 +16,18 @@
 enum { WIDTH = 37, HEIGHT = 29 };
 static float pixels[WIDTH * HEIGHT * 3];
 static const io_image picture = {.width = WIDTH, .height = HEIGHT, .rgb = pixels};
+
+static io_image read_picture(const char *path) {
+    io_image image;
+    io_error error;
+    check(io_image_read(path, &image, &error), "%s", error.text);
+    assert_non_null(image.rgb = malloc(image.width * image.height * 3 * sizeof *image.rgb));
+    for (size_t k = 0; k < image.width * image.height * 3; k++) {
+        const size_t x = k / 3 % image.width, y = k / 3 / image.width;
+        image.rgb[k] = half_number(image.halves[((image.width + 2) * y + x + 1) * 4 + k % 3]);
+    }
+    return image;
+}
 
 static int set_up(void **state) {
     random_state r = {7};
