@@ -112,6 +112,7 @@ bool contenders_of(land *l, const char *name, bool coherent, cw_isa isa, ray_con
     c->contender.query.pool = c->pool;
     c->contender.threads = s.threads;
     c->contender.call = s.call;
+    if (s.call > 0 && s.kernel == NULL) c->contender.query.expert = (cw_expert){.leaf = s.leaf}; /* the call chooses */
     snprintf(c->contender.name, sizeof c->contender.name, "%s", name);
     *count = 1;
     return true;
