@@ -132,7 +132,7 @@ static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
     } else
         contender_run(&a->pass);
     results_set_counts(e->line, "width threads", (size_t[]){a->c.contender.width, a->c.contender.threads});
-    if (a->c.contender.field)
+    if (a->c.contender.query.expert.kernel)
         results_set_text(e->line, "kernel", cw_kernel_describe(a->c.contender.query.expert.kernel).name);
     if ((metrics & METRIC_AGREE) && a->c.factor == 1) {
         agreement sum = {0};

@@ -5,18 +5,24 @@
 
 static size_t call_of(const contender *c, size_t left) { return c->call > 0 && c->call < left ? c->call : left; }
 
+/* What forces nothing asks as most callers do: a call of one ray has a way of its own there. */
+static const cw_run *run_of(const contender *c) {
+    const cw_run *r = &c->query;
+    return r->pool || r->expert.kernel || r->expert.leaf != CW_LEAF_DEFAULT ? r : NULL;
+}
+
 /* Queries cannot fail here: contender_from_kernel has tried one. */
 static void closest(const contender *c, const cw_ray *rays, size_t n, cw_hit *hits) {
     for (size_t k = 0, count; k < n; k += count) {
         count = call_of(c, n - k);
-        (void)cw_closest(c->field, &c->query, rays + k, count, hits + k);
+        (void)cw_closest(c->field, run_of(c), rays + k, count, hits + k);
     }
 }
 
 static void any(const contender *c, const cw_ray *rays, size_t n, uint8_t *occluded) {
     for (size_t k = 0, count; k < n; k += count) {
         count = call_of(c, n - k);
-        (void)cw_occluded(c->field, &c->query, rays + k, count, occluded + k);
+        (void)cw_occluded(c->field, run_of(c), rays + k, count, occluded + k);
     }
 }
 
