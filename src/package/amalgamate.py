@@ -19,7 +19,7 @@ TOP = """/* SPDX-License-Identifier: Apache-2.0 */
  *
  *     cc -std=c17 -O3 -fno-math-errno -fno-trapping-math -c cellwalk*.c
  *
- * Without -ffast-math. Programs are linked with -lm -pthread. */
+ * Without -ffast-math and -ffp-contract=fast. Programs are linked with -lm -pthread. */
 """
 # No multiply and add is fused unless the source asks for it by name: else widths disagree in their bits.
 EXACT = """#define _GNU_SOURCE
