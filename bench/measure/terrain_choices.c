@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* FIELD/horizon and FIELD/sky: choices between speed and accuracy of horizons and of the sky-view factor, on land of 10 m cells.
- * Contenders are directions:N, coarser:FACTOR and distance:CELLS. Only some strips of rows, spread over the land, are computed
- * of what goes row by row. */
+ * Contenders are directions:N, coarser:FACTOR and distance:CELLS. Only strips of the land's rows are
+ * computed. */
 
 #include "harness/harness_memory.h"
 #include "harness/results.h"
@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { CELL = 10, STRIPS = 8, BORDER = 16, ANGLES = 8, SKY_TRUTH = 256, SKY_DEFAULT = 64 };
+enum { CELL = 10, STRIPS = 2, BORDER = 16, ANGLES = 8, SKY_TRUTH = 256, SKY_DEFAULT = 64 };
 
 typedef struct choice {
     land *land;
@@ -32,17 +32,23 @@ typedef struct choices {
     bool judged; /* the truth is computed */
 } choices;
 
-static size_t strip_rows(const choice *c) { return c->factor > 1 ? c->terrain.ny : c->terrain.ny / (4 * STRIPS) + 1; }
-static size_t strip_count(const choice *c) { return c->factor > 1 ? 1 : STRIPS; }
-static size_t strip_of(const choice *c, size_t s) { return s * (c->terrain.ny / STRIPS); }
+/* Strips of the land's rows, and which rows of a choice they are: with those that coarser land is interpolated from. */
+static size_t strip_rows(const choice *c) { return c->land->samples.ny / (4 * STRIPS) + 1; }
+static size_t strip_of(const choice *c, size_t s) { return s * (c->land->samples.ny / STRIPS); }
+static size_t begin_of(const choice *c, size_t s) { return strip_of(c, s) / c->factor; }
+static size_t end_of(const choice *c, size_t s) {
+    const size_t end = (strip_of(c, s) + strip_rows(c) - 1) / c->factor + (c->factor > 1 ? 2 : 1);
+    return end < c->terrain.ny ? end : c->terrain.ny;
+}
 
 static void compute(void *context) {
     choice *c = context;
-    const size_t nx = c->terrain.nx, rows = strip_rows(c);
+    const size_t nx = c->terrain.nx;
     cw_status status = CW_OK;
-    for (size_t s = 0; s < strip_count(c) && status == CW_OK; s++) {
-        const cw_area strip = {{0, strip_of(c, s), nx, rows}, 0};
-        float *out = c->out + strip_of(c, s) * nx;
+    for (size_t s = 0; s < STRIPS && status == CW_OK; s++) {
+        const size_t row = begin_of(c, s);
+        const cw_area strip = {{0, row, nx, end_of(c, s) - row}, 0};
+        float *out = c->out + row * nx;
         if (c->sky) status = cw_sky_view(&c->terrain, NULL, &c->desc, strip, out);
         for (uint32_t k = 0; k < c->desc.count && !c->sky && status == CW_OK; k++)
             status = cw_horizon_angles(&c->terrain, NULL, &c->desc, k, strip, out + k * nx * c->terrain.ny, NULL);

@@ -9,7 +9,7 @@ Sentences with {expressions} in braces. --> … <!-- end -->
 <!-- chart speed-1025 kind=bars file=release … -->        draws pictures/speed-1025.svg (charts.py)
 
 Expressions are Python. where and the columns of a list see a result's members, value and text the functions of Rows. A figure that has
-not converged is written "n. c." (of a file whose run says "provisional": after "~"), one that was not measured "–"."""
+not converged is written "n. c.", one that was not measured "–"."""
 
 import argparse
 import json
@@ -39,20 +39,20 @@ class Problem(Exception):
 
 
 class Number(float):
-    """A figure; sure is None if it has not converged, and False if it is provisional. item names what it is of."""
+    """A figure; sure is False if it has not converged. item names what it is of."""
     sure, item = True, ""
 
     @staticmethod
     def of(value, *lines, item=""):
         number = Number(value)
         number.item = item
-        number.sure = min((line.get("sure", True) for line in lines), default=True, key=lambda sure: (sure is not None, bool(sure)))
+        number.sure = all(line.get("sure", True) for line in lines)
         return number
 
     def _with(self, value, *others):
         number = Number(value)
         of = [self, *(other for other in others if isinstance(other, Number))]
-        number.sure = None if any(n.sure is None for n in of) else all(n.sure for n in of)
+        number.sure = all(n.sure for n in of)
         number.item = self.item
         return number
 
@@ -66,7 +66,7 @@ class Number(float):
         return self._with(float(self) * other, other)
 
     def written(self, text):
-        return WIDE if self.sure is None else text if self.sure else "~" + text
+        return text if self.sure else WIDE
 
 
 def mark(number, text):
@@ -118,7 +118,7 @@ def name(text):
 
 
 def table(head, rows):
-    align = ["r" if all(re.match(r"^(~?[-−<≤≥]?[\d.]|n\. c\.|–|$)", str(row[k])) for row in rows) and k else "l" for k in range(len(head))]
+    align = ["r" if all(re.match(r"^([-−<≤≥]?[\d.]|n\. c\.|–|$)", str(row[k])) for row in rows) and k else "l" for k in range(len(head))]
     lines = [head, None, *rows]
     return "".join("|" + "".join("---|" if a == "l" else "--:|" for a in align) + "\n" if line is None else
                    "|" + "".join(f" {cell} |" if str(cell) != "" else " |" for cell in line) + "\n" for line in lines)
@@ -196,7 +196,7 @@ class Names(dict):
 
 
 def quotable(numbers):
-    return [number for number in numbers if number.sure is not None]
+    return [number for number in numbers if number.sure]
 
 
 def lowest(numbers):
@@ -208,13 +208,9 @@ def highest(numbers):
 
 
 def mean(numbers):
-    """The geometric mean of those that have converged. It is as sure as the most doubtful of them."""
+    """The geometric mean of those that have converged."""
     numbers = quotable(numbers)
-    if not numbers:
-        return None
-    result = Number(math.exp(sum(map(math.log, numbers)) / len(numbers)))
-    result.sure = all(number.sure for number in numbers)
-    return result
+    return Number(math.exp(sum(map(math.log, numbers)) / len(numbers))) if numbers else None
 
 
 def named(number):
@@ -226,10 +222,10 @@ HELPERS = {"digits": digits, "two": digits, "three": three, "dur": dur, "share":
            "int": int, "float": float, "ISAS": ISAS, "Number": Number, "log10": math.log10, "any": any, "all": all, "CLASSES": CLASSES, "LANDS": LANDS}
 
 
-def members_of(line, run):
-    """sure: True, False if provisional, None if it may not be quoted."""
+def members_of(line):
+    """sure: whether it may be quoted."""
     if "converged" in line:
-        line["sure"] = True if line["converged"] else False if run.get("provisional") else None
+        line["sure"] = line["converged"]
     return line
 
 
@@ -257,7 +253,7 @@ class Data:
                 raise Problem(f"{path}: {error.strerror}") from None
             if not lines or lines[0].get("kind") != "run":
                 raise Problem(f'{path}:1: results begin with an object of kind "run"')
-            self.files[file] = lines[0], Rows(members_of(line, lines[0]) for line in lines[1:])
+            self.files[file] = lines[0], Rows(members_of(line) for line in lines[1:])
         return self.files[file]
 
 
@@ -373,7 +369,7 @@ def sources(data):
     body, data.listing = [], True
     for file in data.there():
         run = data[file.rsplit(".", 1)[0]][0]
-        made_by = f"cellwalk-bench {run['arguments']}" if run.get("command") == "measure" and not run.get("provisional") else run.get(
+        made_by = f"cellwalk-bench {run['arguments']}" if run.get("command") == "measure" else run.get(
             "command", "") + " " + str(run.get("arguments", ""))
         load = f"{run['load']:.2f}" if "load" in run else ""
         body.append([f"[{file}](data/{file})", made_by, run.get("isa", ""), run.get("commit", "not recorded"), load, run.get("date", "")[:10]])
