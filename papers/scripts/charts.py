@@ -116,7 +116,7 @@ KINDS = {"bars": bars, "lines": lines}
 
 def svg(name, a, run, rows):
     """A chart's text; fails if something in it is cut off or lies on something else. Figures that have not converged are not drawn."""
-    rows = type(rows)(line for line in rows if line.get("sure", True))
+    rows = type(rows)(line for line in rows if draw.alone(line)["sure"])
     if not rows:
         raise draw.Problem(f"{name}: no figure has converged")
     figure = KINDS[a["kind"]](a, run, rows, [Series(part) for part in a["series"].split(";")] if "series" in a else [])

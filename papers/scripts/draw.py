@@ -126,6 +126,12 @@ def table(head, rows):
 
 # ---- results ----
 
+def alone(line):
+    """The line for a figure that is no ratio: it may be quoted only if its own interval is narrow, too."""
+    narrow = line.get("seconds_high", 1) <= 1.25 * line.get("seconds_low", 1)
+    return {"sure": line.get("sure", True) and narrow}
+
+
 class Rows(list):
     """Lines of results, and what text and values ask of them."""
 
@@ -162,12 +168,12 @@ class Rows(list):
 
     def value(self, contender, key, **members):
         line = self.best(contender, **members)
-        return None if line is None or line.get(key) is None else Number.of(line[key], line if key.startswith(("s", "per_s")) else {})
+        return None if line is None or line.get(key) is None else Number.of(line[key], alone(line) if key.startswith(("s", "per_s")) else {})
 
     def rate(self, contender, **members):
         """Millions of items a second."""
         line = self.best(contender, **members)
-        return None if line is None or "per_second" not in line else Number.of(line["per_second"] / 1e6, line)
+        return None if line is None or "per_second" not in line else Number.of(line["per_second"] / 1e6, alone(line))
 
     def micro(self, contender, **members):
         """Microseconds an item."""
