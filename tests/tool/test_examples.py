@@ -109,7 +109,7 @@ def test_helps_fit(program):
     helps = [sh(f"{program} --help").stdout]
     names = subcommands(helps[0])
     helps += [sh(f"{program} {name} --help").stdout for name in names]
-    assert len(names) >= 3 and all("\nOptions:\n" in text for text in helps[1:])
+    assert len(names) >= 2 and all("\nOptions:\n" in text for text in helps[1:])
     assert max(len(line) for text in helps for line in text.splitlines()) <= 80
     version = re.search(r"VERSION (\S+)", open(f"{os.environ['CELLWALK_SOURCE']}/CMakeLists.txt").read().partition("project(")[2]).group(1)
     assert sh(f"{program} --version").stdout.splitlines()[0].endswith(f" {version}")
