@@ -44,17 +44,14 @@ static inline float place_at(const one_axis *a, float t) {
     return max_second(min_second(a->early + t * a->dir, a->last - 0.5f), a->first);
 }
 
-/* Clears *ended if the ray takes too long. True if it hits. */
-static inline bool one_walk(const cw_field *f, const cw_ray *ray, bool any, bool *ended, cw_hit *hit) {
-    strict_ray r;
-    /* Above everything and not falling: the gate would fail at every t. */
-    if (ray->org[2] > f->high && ray->dir[2] >= 0 && ray->tmin >= 0 && !ray_is_far(f, ray->org)) return false;
-    if (!strict_ray_init(&r, f, ray, CW_LEAF_WATERTIGHT)) return false;
+/* Clears *ended if the ray takes too long. True if it hits. Not inlined: so compilers see that it starts from a ray that is made. */
+static __attribute__((noinline)) bool one_walk(const cw_field *f, const strict_ray *r, bool any, bool *ended,
+                                               cw_hit *hit) {
     const struct cw_pyramid *p = f->pyramid;
-    const one_axis a[2] = {mirror(&r.x, f->nx), mirror(&r.y, f->ny)};
-    const float pad = pad_of(&r, f);
-    float t = r.from, leave = INFINITY; /* the rest of the node's parent is skipped from leave on */
-    int32_t at[2];                      /* low corner, mirrored */
+    const one_axis a[2] = {mirror(&r->x, f->nx), mirror(&r->y, f->ny)};
+    const float pad = pad_of(r, f);
+    float t = r->from, leave = INFINITY; /* the rest of the node's parent is skipped from leave on */
+    int32_t at[2];                       /* low corner, mirrored */
     for (int c = 0; c < 2; c++) {
         const float place = place_at(&a[c], t);
         at[c] = (int32_t)place;
@@ -62,8 +59,8 @@ static inline bool one_walk(const cw_field *f, const cw_ray *ray, bool any, bool
     }
     /* A ray that soon falls to the height of its cell's first sample takes the first cells whatever their blocks. */
     const float *first = f->z + (size_t)(at[1] ^ a[1].turned) * f->stride + (at[0] ^ a[0].turned);
-    const float height = t * r.dz - (*first - r.oz);
-    const bool falls = height >= 0 && height * (a[0].dir + a[1].dir) <= ONE_CELLS * -r.dz;
+    const float height = t * r->dz - (*first - r->oz);
+    const bool falls = height >= 0 && height * (a[0].dir + a[1].dir) <= ONE_CELLS * -r->dz;
     const int flat = falls ? ONE_CELLS : 0;
     int level = falls ? 0 : 1; /* 0: cells */
     bool rising = true;
@@ -79,8 +76,8 @@ static inline bool one_walk(const cw_field *f, const cw_ray *ray, bool any, bool
         if (level == 0) {
             strict_cell c;
             strict_find find;
-            if (strict_gate(&c, &r, f, (size_t)i, (size_t)j) && wt_cell(&r, &c, &find)) {
-                if (!any) *hit = refine_hit(&r.start, &c, &find);
+            if (strict_gate(&c, r, f, (size_t)i, (size_t)j) && wt_cell(r, &c, &find)) {
+                if (!any) *hit = refine_hit(&r->start, &c, &find);
                 return true;
             }
         } else if (t <= leave) {
@@ -89,9 +86,9 @@ static inline bool one_walk(const cw_field *f, const cw_ray *ray, bool any, bool
             const float half = 0.5f * (float)size, low = s->low - pad, high = s->high + pad;
             const float slope[2] = {a[0].turned ? -s->slope_x : s->slope_x, a[1].turned ? -s->slope_y : s->slope_y};
             const float origin =
-                (r.oz - slope[0] * (a[0].org - ((float)at[0] + half))) - slope[1] * (a[1].org - ((float)at[1] + half));
-            const float rate = (r.dz - slope[0] * a[0].dir) - slope[1] * a[1].dir;
-            const float t1 = min_second(out[k], r.until), d0 = t * rate + origin, d1 = t1 * rate + origin;
+                (r->oz - slope[0] * (a[0].org - ((float)at[0] + half))) - slope[1] * (a[1].org - ((float)at[1] + half));
+            const float rate = (r->dz - slope[0] * a[0].dir) - slope[1] * a[1].dir;
+            const float t1 = min_second(out[k], r->until), d0 = t * rate + origin, d1 = t1 * rate + origin;
             if (t <= t1 && !(min_second(d0, d1) > high || max_second(d0, d1) < low)) {
                 const float per = 1 / max_second(FLT_MIN, fabsf(rate));
                 const float before = max_second(0, max_second(d0 - high, low - d0));
@@ -111,7 +108,7 @@ static inline bool one_walk(const cw_field *f, const cw_ray *ray, bool any, bool
             leave = INFINITY;
         }
         if (!rises) {
-            if (out[k] > r.until || (float)border[k] >= a[k].last) return false;
+            if (out[k] > r->until || (float)border[k] >= a[k].last) return false;
             t = max_second(t, out[k]);
             const bool elsewhere = ((at[k] ^ border[k]) & parent) != 0 && steps >= flat;
             rises = elsewhere || t > leave;
@@ -128,13 +125,22 @@ static inline bool one_walk(const cw_field *f, const cw_ray *ray, bool any, bool
     return false;
 }
 
+/* Above everything and not falling: the gate would fail at every t. */
+static inline bool is_above(const cw_field *f, const cw_ray *ray) {
+    return ray->org[2] > f->high && ray->dir[2] >= 0 && ray->tmin >= 0 && !ray_is_far(f, ray->org);
+}
+
 bool cw_one(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     bool ended = true;
     for (size_t k = 0; k < n && ended; k++) {
+        strict_ray r;
+        cw_hit hit = miss();
+        const bool may = !is_above(f, &rays[k]) && strict_ray_init(&r, f, &rays[k], CW_LEAF_WATERTIGHT);
+        const bool found = may && one_walk(f, &r, hits == NULL, &ended, &hit);
         if (hits == NULL)
-            occluded[k] = one_walk(f, &rays[k], true, &ended, NULL);
-        else if (!one_walk(f, &rays[k], false, &ended, &hits[k]))
-            hits[k] = miss();
+            occluded[k] = found;
+        else
+            hits[k] = hit;
     }
     return ended;
 }
