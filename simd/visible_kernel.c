@@ -71,8 +71,8 @@ CW_INLINE void enter_run(lanes *l, size_t run) {
     l->run = run;
 }
 
-/* What is lacking to sight at a piece's begin is what was lacking at the end of the piece before, if that was not in sight. Where
- * no branch leaves pieces out, it need not be computed again. */
+/* Where a piece comes into sight part of the way, its begin was below the line of sight by just as much as the end of the piece
+ * before. Where no branch leaves pieces out, that number is kept and not computed again. */
 #define KEEPS_LOW(look) (W == 16 && !((look)&VISIBLE_TARGET))
 
 CW_INLINE vfloat lowness(const lanes *l, vfloat slope, float distance) {
@@ -147,7 +147,6 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
     l.slope = slope_to(job->crossing, above ? vf_add(first, vf_set(job->target)) : first);
     add_seen(job, &l, job->piece, vm_and(higher, vf_eq(first, first)), vm_set(true), vf_set(1), look, until == 0);
     l.steepest = vf_max(slope_to(job->crossing, first), none);
-    l.low = lowness(&l, l.slope, job->piece->end);
     bool passed = false;
     for (size_t k = 0; k < steps;) {
         const size_t at = row + k;
