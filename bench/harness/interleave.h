@@ -19,7 +19,8 @@ typedef struct interleave_job {
     const char *group; /* of jobs of one group, NULL being none, the fastest counts: the others need not converge, and
                            those that are clearly slower end after a few rounds */
     const double *counts; /* NULL, or where run leaves the seconds that count instead */
-    /* Results. times[k] is of round k, in seconds. */
+    /* Results. times[k] is of round k, in seconds of one run; runs, of a round: more of a short job than of a long one. */
+    unsigned runs;
     double times[INTERLEAVE_MOST];
     statistics seconds;
     bool ended;     /* takes no part in later rounds */

@@ -1,21 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sky-view factor of dem.tif: which share of an evenly bright sky lights level ground. Draws sky.png."""
-import subprocess
-import numpy as np
-import rasterio
-from matplotlib import pyplot
+"""The horizon to the west, and the share of the sky that is seen: python3 sky.py [PICTURE]"""
+import sys
 
-subprocess.run(["cellwalk", "horizon", "dem.tif", "--directions", "64", "--svf", "-o", "sky.tif"], check=True)
-with rasterio.open("sky.tif") as file:
-    sky, box = file.read(1), file.bounds
+import dem
+import matplotlib
 
-figure, axes = pyplot.subplots(figsize=(7, 6), layout="constrained")
-image = axes.imshow(sky, cmap="cividis", vmin=np.percentile(sky, 1),
-                    extent=(box.left, box.right, box.bottom, box.top), aspect=1 / np.cos(np.radians((box.top + box.bottom) / 2)))
-axes.set(title="Sky-view factor, 64 directions", xlabel="longitude", ylabel="latitude")
-axes.ticklabel_format(useOffset=False)
-east = 5 / (111.32 * np.cos(np.radians(box.bottom)))  # 5 km in degrees
-axes.plot([box.left + 0.01, box.left + 0.01 + east], [box.bottom + 0.01] * 2, color="red", linewidth=3)
-axes.text(box.left + 0.01 + east / 2, box.bottom + 0.018, "5 km", ha="center", backgroundcolor="white")
-figure.colorbar(image, label="share of the sky", shrink=0.8, extend="min")
-figure.savefig("sky.png", dpi=80)
+matplotlib.use("Agg")
+f = dem.field()
+west = f.horizon(directions=4)[3]  # north, east, south, west
+sky = f.sky_view(directions=32)
+row, column = divmod(int(sky.argmin()), f.shape[1])
+print(f"least sky: {sky.min():.1%} in row {row}, column {column}; there the western horizon is {west[row, column]:.1f} degrees high")
+print(f"mean share of the sky: {sky.mean():.2%}")
+path = sys.argv[1] if len(sys.argv) > 1 else "sky.png"
+dem.show([west, 100 * sky], ["horizon to the west, degrees", "sky that is seen, %"], path)
