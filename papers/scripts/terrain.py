@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Products of terrain beside gdal_viewshed, r.viewshed and r.horizon: time, memory, and which cells differ and who is right,
 by looking at every edge on the way in double; and the errors of azimuth and distance on maps in degrees. Writes
-papers/data/terrain.json or, with --pictures, the pictures of README and papers/terrain.md. Needs NumPy and Debian's gdal-bin and, for r.viewshed and r.horizon, grass-core; matplotlib and rasterio for pictures."""
+papers/data/terrain.json. Needs NumPy and Debian's gdal-bin and, for r.viewshed and r.horizon, grass-core."""
 
 import argparse
 import ctypes
@@ -275,16 +275,6 @@ def measure(tool, side, clock, folder):
     return lines
 
 
-def draw(tool, folder):
-    """Runs the examples, one picture a product."""
-    where = {**os.environ, "PATH": os.path.dirname(tool) + os.pathsep + os.environ["PATH"]}
-    examples = os.path.join(ROOT, "papers/scripts/examples")
-    for name in ("dem", "shadow", "viewshed", "horizon", "sky", "visibility"):
-        subprocess.run([sys.executable, "-B", os.path.join(examples, f"{name}.py")], cwd=folder, env=where, check=True)
-    for name in ("shadow", "viewshed", "horizon", "sky", "visibility"):
-        shutil.copy(os.path.join(folder, f"{name}.png"), os.path.join(ROOT, f"papers/pictures/terrain-{name}.png"))
-
-
 def said(*command):
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
@@ -303,14 +293,10 @@ def main():
     parser.add_argument("tool", help="the program cellwalk")
     parser.add_argument("--sides", default="1025,4097", help="samples a side (default: %(default)s)")
     parser.add_argument("--rounds", type=int, default=3, help="times each run is repeated; the least counts")
-    parser.add_argument("--pictures", action="store_true", help="draw the pictures and measure nothing")
     options = parser.parse_args()
     tool = os.path.abspath(options.tool)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     with tempfile.TemporaryDirectory() as folder:
-        if options.pictures:
-            draw(tool, folder)
-            return
         clock, lines = Clock(options.rounds), []
         run = record("terrain", f"--sides {options.sides} --rounds {options.rounds}", json.loads(said(tool, "info", "--json"))["isa"],
                      gdal=said("gdalinfo", "--version").split(",")[0], grass="GRASS " + said("grass", "--config", "version") if shutil.which("grass") else "none")

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 SOURCE = pathlib.Path(os.environ.get("CELLWALK_SOURCE", pathlib.Path(__file__).parents[2]))
-FOLDER = SOURCE / "papers/scripts/examples/python"
+FOLDER = SOURCE / "papers/scripts/examples"
 PAGE = (SOURCE / "papers/python.md").read_text()
 
 
@@ -23,7 +23,7 @@ def test_example(name, tmp_path):
                           env={**os.environ, "MPLCONFIGDIR": str(tmp_path)})
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
-    said = re.search(rf"python3 papers/scripts/examples/python/{name}\.py.*?```\n\n```text\n(.*?)```", PAGE, re.S)
+    said = re.search(rf"python3 papers/scripts/examples/{name}\.py.*?```\n\n```text\n(.*?)```", PAGE, re.S)
     assert said, f"papers/python.md does not say what {name}.py prints"
     assert done.stdout == said[1]
 
