@@ -3,7 +3,6 @@
 
 #include "cellwalk.h"
 #include "clock.h"
-#include "pages/pages.h"
 #include "printable.h"
 #include "progress.h"
 #include "words.h"
@@ -103,7 +102,6 @@ static int run(const program *p, int argc, char **argv) {
         if (p->about) p->about();
         return EXIT_SUCCESS;
     }
-    if (strcmp(word, "--pages") == 0 && argc == 3) return pages_write(p, argv[2]);
     for (size_t k = 0; k < p->command_count; k++)
         if (strcmp(word, p->commands[k]->name) == 0) return p->commands[k]->run(argc - 1, argv + 1);
     return unknown(p, word);

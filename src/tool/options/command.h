@@ -24,8 +24,7 @@ typedef struct program {
 } program;
 
 /* Runs the subcommand that argv[1] names, and handles --help, --version and unknown subcommands. Returns the exit status,
- * which is not 0 if standard output could not be written. `--pages FOLDER`, which the build runs and the help does not list,
- * writes man pages and completions (pages/). */
+ * which is not 0 if standard output could not be written. */
 int program_main(const program *p, int argc, char **argv);
 
 /* Exit statuses: EXIT_USAGE for a wrong command line, EXIT_FAILURE for all later errors. A program that was interrupted ends

@@ -40,28 +40,14 @@ bool option_isa_limit(const char *name, cw_isa isa) {
 
 /* ---- help ---- */
 
-const option_spec option_help = {.name = "help", .letter = 'h', .help = "this text"};
-const option_spec option_version = {.name = "version", .help = "the version and the optional parts"};
-
-static options_look *look;
-static void *look_context;
-
-void options_show(options_look *to, void *context) {
-    look = to;
-    look_context = context;
-}
-
+/* Two spaces at least stand before the text: pages.cmake finds it by them. */
 static void print_option(const option_spec *o) {
     enum { HELP_COLUMN = 25 };
-    char head[80], help[2048];
-    int width = 0;
-    if (o->letter)
-        width = snprintf(head, sizeof head, "  -%c, --%s", o->letter, o->name);
-    else
-        width = snprintf(head, sizeof head, "      --%s", o->name);
-    if (o->value) width += snprintf(head + width, sizeof head - (size_t)width, " %s", o->value);
-    printf("%s%*s", head, width < HELP_COLUMN ? HELP_COLUMN - width : 0, "");
-    if (width >= HELP_COLUMN) printf("\n%*s", HELP_COLUMN, "");
+    char help[2048];
+    int width = o->letter ? printf("  -%c, --%s", o->letter, o->name) : printf("      --%s", o->name);
+    if (o->value) width += printf(" %s", o->value);
+    if (width + 2 > HELP_COLUMN) width = printf("\n") - 1;
+    printf("%*s", HELP_COLUMN - width, "");
     size_t used = (size_t)snprintf(help, sizeof help, "%s", o->help);
     for (size_t k = 0; o->names && o->names(k) && used < sizeof help; k++)
         used += (size_t)snprintf(help + used, sizeof help - used, "%s%s", k ? ", " : ": ", o->names(k));
@@ -75,7 +61,7 @@ static void print_help(const options_usage *usage) {
     words_wrap(usage->what, 0);
     fputs("\nOptions:\n", stdout);
     for (size_t k = 0; k < usage->option_count; k++) print_option(&usage->options[k]);
-    print_option(&option_help);
+    print_option(&(option_spec){.name = "help", .letter = 'h', .help = "this text"});
     if (usage->examples) printf("\nExamples:\n%s", usage->examples);
 }
 
@@ -213,10 +199,6 @@ static int take_option(const options_usage *usage, int argc, char **argv, int *k
 static bool is_number(const char *argument) { return strchr("0123456789.", argument[1]) != NULL; }
 
 int options_parse(const options_usage *usage, int argc, char **argv, const char **operands) {
-    if (look) {
-        look(usage, look_context);
-        return EXIT_SUCCESS;
-    }
     for (size_t k = 0; k < usage->operand_most; k++) operands[k] = NULL;
     size_t given = 0;
     bool options_over = false;

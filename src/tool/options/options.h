@@ -101,14 +101,6 @@ typedef struct options_usage {
 enum { OPTIONS_GO = -1 };
 int options_parse(const options_usage *usage, int argc, char **argv, const char **operands);
 
-/* Calls of options_parse from now on pass the table to look, with that context, and return EXIT_SUCCESS. NULL ends
- * that. For pages/ alone: not for threads. */
-typedef void options_look(const options_usage *usage, void *context);
-void options_show(options_look *look, void *context);
-
-/* The options of every subcommand, and of every program. */
-extern const option_spec option_help, option_version;
-
 /* Names for options: of kernels, instruction sets and leaf tests. */
 const char *option_kernel_names(size_t number);
 const char *option_isa_names(size_t number);
