@@ -71,13 +71,13 @@ def bars(a, run, rows, series):
                 continue
             axes.barh(y, v, thick * 0.92, color=s.color)
             text = draw.digits(v)
-            if c == 0 and found[n, series[1].contender]:
-                text += f" ({draw.digits(float(v) / found[n, series[1].contender])} times as fast)"
+            if c == 0 and len(series) > 1:
+                text += f" ({draw.digits(rows.faster(series[1].contender, s.contender, **{a['rows']: n}))} times as fast)"
             axes.text(v + most / 100, y, text, va="center", color=s.color, fontsize=8.5)
     axes.set_yticks(range(len(names)), [draw.name(n) for n in names])
     axes.invert_yaxis()
     axes.set_xlim(0, most * 1.4)
-    axes.xaxis.set_visible(False)
+    axes.set_xticks([])
     axes.spines["bottom"].set_visible(False)
     axes.tick_params(axis="y", length=0)
     return figure
@@ -92,7 +92,7 @@ def lines(a, run, rows, series):
     legend(figure, height, series)
     xs = ordered(a, rows, "x")
     for panel in axes.flat[len(panels):]:
-        panel.set_visible(False)
+        panel.remove()
     for k, (title, group) in enumerate(panels):
         panel, drawn = axes[k // columns][k % columns], []
         for s in series:

@@ -12,6 +12,7 @@ Expressions are Python. where and the columns of a list see a result's members, 
 not converged is written "n. c.", one that was not measured "–"."""
 
 import argparse
+import builtins
 import json
 import math
 import os
@@ -26,8 +27,8 @@ CHART = re.compile(r"<!-- chart (.*?)-->", re.DOTALL)
 CLASSES = ("primary", "shadow", "ao", "bounce", "random", "grazing", "afar")
 LANDS = ("65", "257", "1025", "4097", "sea-calm", "sea-rough", "jacksboro")
 ABSENT, WIDE = "–", "n. c."  # not measured; not converged
-ITEMS = {"ao": "ambient occlusion", "afar": "from afar", "within-2": "from within 2 cells"}
-FIELDS = {"sea-calm": "calm sea", "sea-rough": "rough sea", "jacksboro": "Jacksboro"}
+NAMES = {"ao": "ambient occlusion", "afar": "from afar", "within-2": "from within 2 cells", "sea-calm": "calm sea",
+         "sea-rough": "rough sea", "jacksboro": "Jacksboro"}
 ISAS = {"avx512": "AVX-512", "avx2": "AVX2", "sse4.2": "SSE4.2", "scalar": "no vector instructions"}
 
 
@@ -43,34 +44,22 @@ class Number(float):
     sure, item = True, ""
 
     @staticmethod
-    def of(value, *lines, item=""):
+    def of(value, *parts, item=""):
+        """parts: the lines or figures that it comes from."""
         number = Number(value)
         number.item = item
-        number.sure = all(line.get("sure", True) for line in lines)
-        return number
-
-    def _with(self, value, *others):
-        number = Number(value)
-        of = [self, *(other for other in others if isinstance(other, Number))]
-        number.sure = all(n.sure for n in of)
-        number.item = self.item
+        number.sure = all(part.get("sure", True) if isinstance(part, dict) else getattr(part, "sure", True) for part in parts)
         return number
 
     def __truediv__(self, other):
-        return self._with(float(self) / other, other)
+        return Number.of(float(self) / other, self, other, item=self.item)
 
     def __rtruediv__(self, other):
-        return self._with(other / float(self))
-
-    def __mul__(self, other):
-        return self._with(float(self) * other, other)
-
-    def written(self, text):
-        return text if self.sure else WIDE
+        return Number.of(other / float(self), self, item=self.item)
 
 
 def mark(number, text):
-    return number.written(text) if isinstance(number, Number) else text
+    return text if getattr(number, "sure", True) else WIDE
 
 
 # ---- how numbers are written ----
@@ -109,12 +98,9 @@ def share(value):
 
 
 def name(text):
-    """What pages call a field or a class of rays."""
-    text = str(text)
-    if "/" in text:  # a workload
-        return ", ".join(map(name, reversed(text.split("/"))))
-    return FIELDS.get(text) or ITEMS.get(text) or (f"{text}²" if text.isdigit() and int(text) > 64 and (int(text) - 1) & (int(text) - 2) == 0 else text.replace("x", " × ") if re.fullmatch(
-        r"\d+x\d+", text) else text)
+    """What pages call a field, a class of rays or a workload."""
+    parts = reversed(str(text).split("/"))
+    return ", ".join(NAMES.get(part) or (f"{part}²" if part.isdigit() and int(part) > 64 else part) for part in parts)
 
 
 def table(head, rows):
@@ -137,7 +123,12 @@ class Rows(list):
 
     def where(self, test):
         code = compile(test, test, "eval")
-        return Rows(line for line in self if _holds(code, line))
+        return Rows(line for line in self if of_line(code, line))
+
+    def total(self, key):
+        """Of a member, or of one in an object, as in verdicts.leak."""
+        outer, _, inner = key.partition(".")
+        return sum(line[outer][inner] if inner else line.get(key, 0) for line in self)
 
     def best(self, contender, **members):
         """The contender's line, of several packet widths the fastest; of several lines of the plan the first. None if it was left out."""
@@ -184,20 +175,17 @@ class Rows(list):
         return list(dict.fromkeys(line[key] for line in self if key in line))
 
 
-def _holds(code, line):
-    try:
-        return bool(eval(code, {"__builtins__": {}}, Names(line)))
-    except TypeError:
-        return False
-
-
 class Names(dict):
-    """Members of a line; one that it has not is None."""
+    """Members of a line, and the functions below; others are None."""
     def __missing__(self, key):
-        if key.rstrip("_") in self:  # class_ and pass_, which Python's own words are
-            return self[key.rstrip("_")]
-        if key in HELPERS:
-            return HELPERS[key]
+        return HELPERS.get(key, getattr(builtins, key, None))
+
+
+def of_line(code, line):
+    """An expression's value for a line; ABSENT where a member is needed that it has not."""
+    try:
+        return eval(code, {"__builtins__": {}}, Names(line))
+    except TypeError:
         return None
 
 
@@ -223,45 +211,40 @@ def named(number):
     return ABSENT if number is None else f"{digits(number)} ({number.item})"
 
 
-HELPERS = {"digits": digits, "two": digits, "three": three, "dur": dur, "share": share, "name": name, "grouped": grouped, "mean": mean,
-           "named": named, "quotable": quotable, "lowest": lowest, "highest": highest, "min": min, "max": max, "sum": sum, "len": len, "round": round, "abs": abs, "sorted": sorted, "str": str,
-           "int": int, "float": float, "ISAS": ISAS, "Number": Number, "log10": math.log10, "any": any, "all": all, "CLASSES": CLASSES, "LANDS": LANDS}
-
-
-def members_of(line):
-    """sure: whether it may be quoted."""
-    if "converged" in line:
-        line["sure"] = line["converged"]
-    return line
+HELPERS = {f.__name__: f for f in (digits, three, dur, share, name, grouped, mean, quotable, lowest, highest)}
+HELPERS.update(CLASSES=CLASSES, LANDS=LANDS)
 
 
 class Data:
     """Files of papers/data, read once. The first line is the run."""
 
     def __init__(self, folder):
-        self.folder, self.files, self.used, self.listing = folder, {}, set(), False
+        self.folder, self.files, self.used = folder, {}, set()
+
+    def path(self, file):
+        path = os.path.join(self.folder, file + ".jsonl")
+        return path if os.path.exists(path) else path[:-1]
 
     def __getitem__(self, file):
-        path = os.path.join(self.folder, file + ".jsonl")
-        path = path if os.path.exists(path) else path[:-1]
-        if not self.listing:
-            self.used.add(os.path.relpath(path, self.folder))
-        if file not in self.files:
+        self.used.add(os.path.relpath(self.path(file), self.folder))
+        return self.read(self.path(file))
+
+    def read(self, path):
+        if path not in self.files:
             lines = []
             try:
                 with open(path, encoding="utf-8") as text:
                     for number, line in enumerate(text, 1):
-                        try:
-                            lines.append(json.loads(line))
-                        except json.JSONDecodeError as error:
-                            raise Problem(f"{path}:{number}: is not JSON: {error.msg}") from None
+                        lines.append(json.loads(line))
+            except json.JSONDecodeError as error:
+                raise Problem(f"{path}:{number}: is not JSON: {error.msg}") from None
             except OSError as error:
                 raise Problem(f"{path}: {error.strerror}") from None
             if not lines or lines[0].get("kind") != "run":
                 raise Problem(f'{path}:1: results begin with an object of kind "run"')
-            self.files[file] = lines[0], Rows(members_of(line) for line in lines[1:])
-        return self.files[file]
-
+            # sure: whether it may be quoted.
+            self.files[path] = lines[0], Rows({**line, "sure": line.get("converged", True)} for line in lines[1:])
+        return self.files[path]
 
     def there(self):
         return sorted(os.path.relpath(os.path.join(at, file), self.folder) for at, _, files in os.walk(self.folder) for file in files)
@@ -285,69 +268,39 @@ def columns(text):
     return [tuple(part.strip().split("|", 1)) for part in text.split(";")]
 
 
-def evaluate(code, rows, run, runs=()):
-    scope = {**HELPERS, "run": run, "runs": runs, "R": rows, "total": lambda kind, *keys: sum(line[key] for line in rows if line["kind"] == kind for key in keys),
-             **{method: getattr(rows, method) for method in ("best", "faster", "ratios", "value", "rate", "where", "distinct", "timed", "micro")}}
+def evaluate(code, rows, runs):
+    methods = {method: getattr(rows, method) for method in ("faster", "ratios", "value", "timed", "micro", "rate", "total")}
     try:
-        return eval(code, scope)
+        return eval(code, {**HELPERS, **methods, "run": runs[0], "runs": runs, "R": rows})
     except (TypeError, ValueError):  # a figure that is absent: sums with None, and the least of none
         return ABSENT
 
 
-def pivot(rows, run, a):
+def written(value):
+    return value if isinstance(value, str) else digits(value)
+
+
+def pivot(rows, runs, a):
+    def group(**members):
+        return Rows(line for line in rows if all(str(line.get(a[key])) == str(of) for key, of in members.items()))
+
+    rows_of, cols_of = (a[key + "_order"].split(",") if key + "_order" in a else rows.distinct(a.get(key)) for key in ("rows", "cols"))
     if "columns" in a:
-        pairs, body = columns(a["columns"]), []
-        for row in a["rows_order"].split(",") if "rows_order" in a else rows.distinct(a["rows"]):
-            group = Rows(line for line in rows if str(line.get(a["rows"])) == str(row))
-            cells = [evaluate(code, group, run) for _, code in pairs]
-            body.append([name(row), *(cell if isinstance(cell, str) else digits(cell) for cell in cells)])
-        return table([a.get("head", ""), *(title for title, _ in pairs)], body)
-    values = {key: a.get(f"{key}_order", "").split(",") if a.get(f"{key}_order") else rows.distinct(a[key]) for key in ("rows", "cols")}
-    body = []
-    for row in values["rows"]:
-        cells = []
-        for column in values["cols"]:
-            group = Rows(line for line in rows if str(line.get(a["rows"])) == str(row) and str(line.get(a["cols"])) == str(column))
-            value = evaluate(a["value"], group, run) if group else None
-            cells.append(value if isinstance(value, str) else digits(value))
-        body.append([name(row), *cells])
-    return table([a.get("head", ""), *map(name, values["cols"])], body)
+        titles, codes = zip(*columns(a["columns"]), strict=True)
+        body = [[written(evaluate(code, group(rows=row), runs)) for code in codes] for row in rows_of]
+    else:
+        titles, cells = map(name, cols_of), [[group(rows=row, cols=column) for column in cols_of] for row in rows_of]
+        body = [[written(evaluate(a["value"], cell, runs) if cell else None) for cell in line] for line in cells]
+    return table([a.get("head", ""), *titles], [[row if a["rows"] == "contender" else name(row), *line] for row, line in zip(rows_of, body, strict=True)])
 
 
-def merged(rows, key):
-    """Lines with the same key as one, their numbers added."""
-    sums = {}
-    for line in rows:
-        of = sums.setdefault(line[key], {})
-        for member, value in line.items():
-            number = isinstance(value, (int, float)) and not isinstance(value, bool)
-            of[member] = of.get(member, 0) + value if number else merged_counts(of.get(member, {}), value) if isinstance(
-                value, dict) else value
-    return list(sums.values())
-
-
-def merged_counts(a, b):
-    return {key: a.get(key, 0) + value for key, value in b.items()}
-
-
-def _cell(code, line):
-    try:
-        return eval(code, {"__builtins__": {}}, Names(line))
-    except TypeError:  # of a member that the line has not
-        return ABSENT
-
-
-def listing(rows, a, run):
-    pairs = columns(a["cols"])
-    if "group" in a:
-        rows = merged(rows, a["group"])
-    if "sort" in a:
-        rows = sorted(rows, key=lambda line: eval(a["sort"], {"__builtins__": {}}, Names(line)))
+def listing(rows, runs, a):
+    titles, codes = zip(*columns(a["cols"]), strict=True)
     body = []
     for line in rows:
-        cells = [_cell(code, {"run": run, **line}) for _, code in pairs]
+        cells = [of_line(code, {"run": runs[0], **line}) for code in codes]
         body.append(["" if cell is None else digits(Number.of(cell, line)) if isinstance(cell, float) else cell for cell in cells])
-    return table([title for title, _ in pairs], body)
+    return table(titles, body)
 
 
 def made(kind, query, data):
@@ -357,29 +310,26 @@ def made(kind, query, data):
     first, _, template = query.partition("\n") if kind == "text" else (query, "", "")
     a = attributes(first)
     found = [data[file] for file in a["file"].split(",")]
-    run, rows = found[0][0], Rows(line for _, lines in found for line in lines)
+    runs, rows = [run for run, _ in found], Rows(line for _, lines in found for line in lines)
     if "where" in a:
         rows = rows.where(a["where"])
-    if not rows and kind != "text":
+    if kind == "text":
+        return re.sub(r"\{(.+?)\}", lambda m: str(evaluate(m[1], rows, runs)), template.strip()) + "\n"
+    if not rows:
         print(f'draw.py: no line of {a["file"]} has {a.get("where")}', file=sys.stderr)
         return ABSENT + "\n"
-    if kind == "text":
-        runs = [run for run, _ in found]
-        return re.sub(r"\{(.+?)\}", lambda m: str(evaluate(m[1], rows, run, runs)), template.strip()) + "\n"
-    about = f"{run_text(run)}.\n\n" if "about" in a else ""
-    return about + (pivot(rows, run, a) if kind == "table" else listing(rows, a, run))
+    about = f"{run_text(runs[0])}.\n\n" if "about" in a else ""
+    return about + (pivot if kind == "table" else listing)(rows, runs, a)
 
 
 def sources(data):
     """A line a file, by whom, of which commit and when."""
-    body, data.listing = [], True
+    body = []
     for file in data.there():
-        run = data[file.rsplit(".", 1)[0]][0]
-        made_by = f"cellwalk-bench {run['arguments']}" if run.get("command") == "measure" else run.get(
-            "command", "") + " " + str(run.get("arguments", ""))
+        run = data.read(os.path.join(data.folder, file))[0]
+        made_by = f"{'cellwalk-bench' if run['command'] == 'measure' else run['command']} {run.get('arguments', '')}"
         load = f"{run['load']:.2f}" if "load" in run else ""
         body.append([f"[{file}](data/{file})", made_by, run.get("isa", ""), run.get("commit", "not recorded"), load, run.get("date", "")[:10]])
-    data.listing = False
     return table(["file", "made by", "up to", "commit", "load", "date"], body)
 
 

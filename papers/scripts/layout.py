@@ -5,11 +5,12 @@ label lies on another. The check measures with matplotlib's own renderer."""
 import math
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.text import Annotation, Text
+from matplotlib.text import Text
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 from matplotlib.transforms import Bbox
 
 from draw import Problem
+
 
 def log_limits(values, share=0.08):
     """Limits of a logarithmic axis: those of the values, and a share of their range more on each side."""
@@ -30,83 +31,42 @@ def log_axis(axis, limits, steps=(1, 3), text="{:g}".format):
     axis.set_minor_formatter(NullFormatter())
 
 
-# ---- boxes ----
-
-def _renderer(figure):
-    canvas = figure.canvas if isinstance(figure.canvas, FigureCanvasAgg) else FigureCanvasAgg(figure)
-    canvas.draw()
-    return canvas.get_renderer()
-
-
-def _box(text, renderer):
-    """The letters alone; an annotation's arrow may point anywhere."""
-    if isinstance(text, Annotation):
-        text.update_positions(renderer)
-    return Text.get_window_extent(text, renderer).padded(-0.5)
-
-
-def _points(axes):
-    """Pixels of the points of all lines in data coordinates, and half the size of each marker."""
-    for line in axes.lines:
-        if line.get_visible() and line.get_transform() == axes.transData:
-            size = line.get_markersize() * axes.figure.dpi / 144 if line.get_marker() not in ("None", None, "") else 0
-            for point in axes.transData.transform(line.get_xydata()):
-                yield point, size
-
-
 def _holds(outer, box, room=1):
-    return (box.x0 >= outer.x0 - room and box.y0 >= outer.y0 - room and box.x1 <= outer.x1 + room and
-            box.y1 <= outer.y1 + room)
+    return outer.padded(room).containsx(box.x0) and outer.padded(room).containsx(box.x1) and outer.padded(room).containsy(
+        box.y0) and outer.padded(room).containsy(box.y1)
 
 
-def _meet(a, b):
-    return min(a.x1, b.x1) > max(a.x0, b.x0) and min(a.y1, b.y1) > max(a.y0, b.y0)
-
-
-def _texts(figure):
-    """(text, its axes or None, whether it is a label inside them) of all that is written."""
-    for text in [*figure.texts, *(t for legend in figure.legends for t in legend.get_texts())]:
-        yield text, None, False
-    for axes in figure.axes:
-        if not axes.get_visible():
-            continue
-        for text in axes.texts:
-            yield text, axes, True
-        others = [axes.title, axes._left_title, axes._right_title]
-        if axes.axison:
-            for axis in (axes.xaxis, axes.yaxis):
-                if axis.get_visible():
-                    low, high = sorted(axis.get_view_interval())
-                    others += [axis.label, *(tick.label1 for tick in axis.get_major_ticks()
-                                             if low <= tick.get_loc() <= high)]
-        legend = axes.get_legend()
-        for text in [*others, *(legend.get_texts() if legend else [])]:
-            yield text, axes, False
+def _outside(axes, renderer):
+    """Points of lines, markers included, and bars that are not within the axes."""
+    frame, title = axes.get_window_extent(renderer), axes.get_title(loc="left")
+    for line in axes.lines:
+        size = line.get_markersize() * axes.figure.dpi / 144 if line.get_marker() not in ("None", None, "") else 0
+        for (x, y), at in zip(axes.transData.transform(line.get_xydata()), line.get_xydata(), strict=True):
+            if not _holds(frame, Bbox.from_extents(x - size, y - size, x + size, y + size)):
+                yield f"the point ({at[0]:g}, {at[1]:g}) lies outside the axes {title}"
+    for patch in axes.patches:
+        if not _holds(frame, patch.get_window_extent(renderer)):
+            yield f"a bar lies outside the axes {title}"
 
 
 def faults(figure):
     """One line for each point or label outside its axes or the picture, and for each two labels that overlap."""
-    renderer, found, boxes = _renderer(figure), [], []
-    for axes in figure.axes:
-        if not axes.get_visible():
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    renderer = canvas.get_renderer()
+    found = [fault for axes in figure.axes for fault in _outside(axes, renderer)]
+    inside = {text: axes for axes in figure.axes for text in axes.texts}
+    boxes, unseen = [], {tick.label1 for axes in figure.axes for axis in (axes.xaxis, axes.yaxis) for tick in axis.get_major_ticks()
+                         if not min(axis.get_view_interval()) <= tick.get_loc() <= max(axis.get_view_interval())}
+    for text in figure.findobj(lambda artist: isinstance(artist, Text) and artist.get_visible() and artist.get_text().strip()):
+        if text in unseen:
             continue
-        frame = axes.get_window_extent(renderer)
-        for (x, y), size in _points(axes):
-            if not _holds(frame, Bbox.from_extents(x - size, y - size, x + size, y + size)):
-                where = axes.transData.inverted().transform((x, y))
-                found.append(f"the point ({where[0]:g}, {where[1]:g}) lies outside the axes {axes.get_title(loc='left')}")
-        for patch in axes.patches:
-            if patch.get_visible() and not _holds(frame, patch.get_window_extent(renderer)):
-                found.append(f"a bar lies outside the axes {axes.get_title(loc='left')}")
-    for text, axes, inside in _texts(figure):
-        if not text.get_visible() or not text.get_text().strip():
-            continue
-        box, words = _box(text, renderer), " ".join(text.get_text().split())
+        box, words = text.get_window_extent(renderer).padded(-0.5), " ".join(text.get_text().split())
         if not _holds(figure.bbox, box):
             found.append(f'"{words}" lies outside the picture')
-        elif inside and not _holds(axes.get_window_extent(renderer), box, 2):
+        elif text in inside and not _holds(inside[text].get_window_extent(renderer), box, 2):
             found.append(f'"{words}" lies outside its axes')
-        found += [f'"{words}" overlaps "{other}"' for other, taken in boxes if _meet(box, taken)]
+        found += [f'"{words}" overlaps "{other}"' for other, taken in boxes if box.overlaps(taken)]
         boxes.append((words, box))
     return found
 
@@ -115,4 +75,3 @@ def check(name, figure):
     found = faults(figure)
     if found:
         raise Problem("\n".join(f"{name}: {fault}" for fault in found))
-

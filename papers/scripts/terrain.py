@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Products of terrain beside gdal_viewshed, r.viewshed and r.horizon: time, memory, and which cells differ and who is right,
 by looking at every edge on the way in double; and the errors of azimuth and distance on maps in degrees. Writes
-papers/data/terrain.json. Needs NumPy and Debian's gdal-bin and, for r.viewshed and r.horizon, grass-core."""
+papers/data/terrain.json. Needs Debian's python3-rasterio,
+python3-pyproj, gdal-bin and time and, for r.viewshed and r.horizon, grass-core."""
 
 import argparse
-import ctypes
 import datetime
 import json
 import os
@@ -35,20 +35,21 @@ def land(n, seed=7):
     return np.maximum(z, np.quantile(z, 0.2)).astype("<f4")
 
 
-def write_dem(z, path, crs="EPSG:32632", box=None):
+def write_dem(z, path, crs=None, box=None):
+    """A map whose metre is one on the ground, as the truth has it, about the middle of the land; or another."""
+    import rasterio.transform  # not for those who take land() or record() from here
     n = len(z)
-    z.tofile(path + ".img")
-    with open(path + ".hdr", "w", encoding="ascii") as file:
-        file.write(f"ENVI\nsamples = {n}\nlines = {n}\nbands = 1\ndata type = 4\ninterleave = bsq\nbyte order = 0\n")
-    box = box or [WEST, NORTH, WEST + CELL * n, NORTH - CELL * n]
-    subprocess.run(["gdal_translate", "-q", "-a_srs", crs, "-a_ullr", *map(str, box), "-co", "TILED=YES",
-                    path + ".img", path + ".tif"], check=True)
+    crs = crs or f"+proj=tmerc +lat_0=47 +lon_0=9 +x_0={WEST + CELL * n / 2} +y_0={NORTH - CELL * n / 2} +ellps=WGS84"
+    place = rasterio.transform.from_bounds(*(box or [WEST, NORTH - CELL * n, WEST + CELL * n, NORTH]), n, n)
+    with rasterio.open(path + ".tif", "w", driver="GTiff", width=n, height=n, count=1, dtype="float32", crs=crs, transform=place,
+                       tiled=True) as file:
+        file.write(z, 1)
 
 
-def read(path, n):
-    raw = path + ".raw"
-    subprocess.run(["gdal_translate", "-q", "-of", "ENVI", "-ot", "Float32", path, raw], check=True)
-    return np.fromfile(raw, "<f4").reshape(n, n)
+def read(path):
+    import rasterio
+    with rasterio.open(path) as file:
+        return file.read(1).astype("<f4")
 
 
 def place(n, i, j):
@@ -97,30 +98,32 @@ def hidden_by(z, eye, cells):
 
 # ---- time -------------------------------------------------------------------------------------------------------------
 
-class Clock:
-    """Runs commands and keeps the least of several times."""
+def cost(report):
+    """Seconds, those of the CPU, and kilobytes, of GNU time's report."""
+    with open(report, encoding="ascii") as file:
+        wall, user, system, kilobytes = map(float, file.read().split())
+    return np.array([wall, user + system, kilobytes])
 
-    def __init__(self, rounds):
-        self.rounds, self.lines = rounds, []
 
-    def run(self, runs, side):
-        """runs: (program, product, directions in the run, directions meant, arguments); interleaved."""
-        best = {}
-        for _ in range(self.rounds):
-            for key, (*_, arguments) in enumerate(runs):
-                with tempfile.NamedTemporaryFile("r") as report:
-                    subprocess.run(["/usr/bin/time", "-o", report.name, "-f", "%e %U %S %M", *arguments], check=True,
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-                    wall, user, system, kilobytes = map(float, report.read().split())
-                old = best.get(key, (np.inf, np.inf, 0))
-                best[key] = min(old[0], wall), min(old[1], user + system), max(old[2], kilobytes)
-        for key, (*about, _) in enumerate(runs):
-            self.add(side, about, *best[key])
+def timed(about, side, costs):
+    """The line of a program: the least of several times, and the most memory."""
+    program, product, part, whole = about
+    (wall, cpu, _), kilobytes = np.min(costs, 0), np.max(costs, 0)[2]
+    return {"kind": "time", "program": program, "product": product, "side": side, "part": part, "whole": whole,
+            "wall_seconds": wall, "cpu_seconds": cpu, "kilobytes": kilobytes}
 
-    def add(self, side, about, wall, cpu, kilobytes):
-        program, product, part, whole = about
-        self.lines.append({"kind": "time", "program": program, "product": product, "side": side, "part": part, "whole": whole,
-                           "wall_seconds": wall, "cpu_seconds": cpu, "kilobytes": kilobytes})
+
+TIME = ("/usr/bin/time", "-f", "%e %U %S %M", "-o")
+
+
+def run_all(runs, side, rounds, folder):
+    """runs: (program, product, directions in the run, directions meant, arguments); interleaved."""
+    report, costs = os.path.join(folder, "report"), [[] for _ in runs]
+    for _ in range(rounds):
+        for (*_, arguments), of in zip(runs, costs, strict=True):
+            subprocess.run([*TIME, report, *arguments], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            of.append(cost(report))
+    return [timed(about, side, of) for (*about, _), of in zip(runs, costs, strict=True)]
 
 
 def grass(script, folder):
@@ -131,13 +134,12 @@ def grass(script, folder):
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def grass_timed(clock, program, product, side, part, whole, dem, command, output, folder):
+def grass_timed(about, side, dem, command, output, folder):
     """The time of one GRASS module, with its raster already imported; output: map and file."""
     report = os.path.join(folder, "report")
-    grass(f"r.in.gdal -o --q input={dem} output=dem\ng.region raster=dem\n/usr/bin/time -o {report} -f '%e %U %S %M' {command}\n"
+    grass(f"r.in.gdal -o --q input={dem} output=dem\ng.region raster=dem\n{' '.join(TIME[:2])} '{TIME[2]}' -o {report} {command}\n"
           f"r.out.gdal --q -c input={output[0]} output={output[1]} format=GTiff --o\n", folder)
-    wall, user, system, kilobytes = map(float, open(report, encoding="ascii").read().split())
-    clock.add(side, (program, product, part, whole), wall, user + system, kilobytes)
+    return timed(about, side, [cost(report)])
 
 
 # ---- comparisons ------------------------------------------------------------------------------------------------------
@@ -181,26 +183,10 @@ def compare_horizons(z, ours, theirs, azimuth, rng):
 
 # ---- maps in degrees --------------------------------------------------------------------------------------------------
 
-class Geodesics:
-    """Shortest ways on WGS 84, by PROJ, which GDAL brings."""
-
-    def __init__(self):
-        self.proj, self.earth = ctypes.CDLL("libproj.so.25"), ctypes.create_string_buffer(4096)
-        self.proj.geod_init.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]
-        self.proj.geod_inverse.argtypes = [ctypes.c_void_p, *[ctypes.c_double] * 4, *[ctypes.c_void_p] * 3]
-        self.proj.geod_init(self.earth, RADIUS, 1 / 298.257223563)
-
-    def way(self, latitude, longitude, to_latitude, to_longitude):
-        """Metres, and the azimuth at the start in degrees."""
-        metres, azimuth, end = (ctypes.c_double() for _ in range(3))
-        self.proj.geod_inverse(self.earth, latitude, longitude, to_latitude, to_longitude, ctypes.byref(metres),
-                               ctypes.byref(azimuth), ctypes.byref(end))
-        return metres.value, azimuth.value
-
-
 def compare_maps(tool, folder):
     """A wall around a place, so many kilometres away on all four sides: where `horizon --at` finds it, beside geodesics."""
-    n, longitude, lines, geodesics = 101, 10, [], Geodesics()
+    import pyproj
+    n, longitude, lines, earth = 101, 10, [], pyproj.Geod(ellps="WGS84")
     z = np.zeros((n, n), "<f4")
     z[[0, -1]] = z[:, [0, -1]] = 3000
     dem = os.path.join(folder, "wall")
@@ -208,13 +194,13 @@ def compare_maps(tool, folder):
         for km in (1, 5, 20, 50):
             dy = km / 50 / 111.2
             dx = dy / np.cos(np.radians(latitude))
-            box = [longitude - dx * n / 2, latitude + dy * n / 2, longitude + dx * n / 2, latitude - dy * n / 2]
+            box = [longitude - dx * n / 2, latitude - dy * n / 2, longitude + dx * n / 2, latitude + dy * n / 2]
             write_dem(z, dem, "EPSG:4326", box)
             rows = subprocess.run([tool, "horizon", dem + ".tif", "--at", f"{longitude},{latitude}", "--directions", "72"],
                                   check=True, capture_output=True, text=True).stdout.splitlines()[1:]
             turned, longer, farthest = [], [], 0
             for _, azimuth, _, _, metres, x, y in (map(float, row.split(",")) for row in rows):
-                exact, direction = geodesics.way(latitude, longitude, y, x)
+                direction, _, exact = earth.inv(longitude, latitude, x, y)
                 turned.append(abs((direction - azimuth + 180) % 360 - 180))
                 longer.append(abs(metres / exact - 1))
                 farthest = max(farthest, exact)
@@ -231,7 +217,7 @@ def compare_needed(z, side, out):
     cells = [tuple(c) for c in np.random.default_rng(3).integers(0, side, (20000, 2)) if tuple(c) != eye[:2]]
     truth, lines = np.maximum(hidden_by(z, eye, cells), 0), []
     for program, name in (("cellwalk viewshed --needed", "needed"), ("gdal_viewshed -om DEM", "gdalneeded")):
-        values = read(out(name), side)[tuple(np.array(cells).T[::-1])].astype(float)
+        values = read(out(name))[tuple(np.array(cells).T[::-1])].astype(float)
         if name == "gdalneeded":  # heights above sea level, of the ground where it is seen
             values = np.maximum(values - z[tuple(np.array(cells).T[::-1])], 0)
         apart = np.abs(values - truth)
@@ -242,7 +228,7 @@ def compare_needed(z, side, out):
 
 # ---- the run ----------------------------------------------------------------------------------------------------------
 
-def measure(tool, side, clock, folder):
+def measure(tool, side, rounds, folder):
     z = land(side)
     dem = os.path.join(folder, f"land{side}")
     write_dem(z, dem)
@@ -257,21 +243,20 @@ def measure(tool, side, clock, folder):
             (ours, "shadow", 1, 1, [tool, "shadow", dem + ".tif", "--sun", "225,20", "--threads", "1", "-o", out("shadow")])]
     if side <= 1025:
         runs.append((ours, whole, 32, 32, [tool, "horizon", dem + ".tif", "--threads", "1", "-o", out("horizon")]))
-    clock.run(runs, side)
-    lines, rng = [], np.random.default_rng(1)
+    lines, rng = run_all(runs, side, rounds, folder), np.random.default_rng(1)
     eye = (side // 2, side // 2, float(z[side // 2, side // 2]) + 2)
-    seen = read(out("view"), side)
-    lines += compare_views(z, eye, seen, read(out("gdal"), side), "gdal_viewshed", rng)
+    seen = read(out("view"))
+    lines += compare_views(z, eye, seen, read(out("gdal")), "gdal_viewshed", rng)
     lines += compare_needed(z, side, out)
     if side <= 1025 and shutil.which("grass"):
-        grass_timed(clock, "r.viewshed", "viewshed", side, 1, 1, dem + ".tif",
-                    f"r.viewshed --q -b -c -r input=dem output=v coordinates={x},{y} observer_elevation=2 memory=2000",
-                    ("v", out("grass")), folder)
-        lines += compare_views(z, eye, seen, read(out("grass"), side), "r.viewshed", rng)
-        grass_timed(clock, "r.horizon", whole, side, 2, 32, dem + ".tif",
-                    "r.horizon --q -d elevation=dem step=180 start=30 output=h", ("h_030", out("grassh")), folder)
+        lines.append(grass_timed(("r.viewshed", "viewshed", 1, 1), side, dem + ".tif",
+                                 f"r.viewshed --q -b -c -r input=dem output=v coordinates={x},{y} observer_elevation=2 memory=2000",
+                                 ("v", out("grass")), folder))
+        lines += compare_views(z, eye, seen, read(out("grass")), "r.viewshed", rng)
+        lines.append(grass_timed(("r.horizon", whole, 2, 32), side, dem + ".tif",
+                                 "r.horizon --q -d elevation=dem step=180 start=30 output=h", ("h_030", out("grassh")), folder))
         subprocess.run([tool, "horizon", dem + ".tif", "--directions", "1", "--start", "60", "-o", out("one")], check=True)
-        lines += compare_horizons(z, read(out("one"), side), read(out("grassh"), side), 60, rng)
+        lines += compare_horizons(z, read(out("one")), read(out("grassh")), 60, rng)
     return lines
 
 
@@ -297,14 +282,14 @@ def main():
     tool = os.path.abspath(options.tool)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     with tempfile.TemporaryDirectory() as folder:
-        clock, lines = Clock(options.rounds), []
+        lines = []
         run = record("terrain", f"--sides {options.sides} --rounds {options.rounds}", json.loads(said(tool, "info", "--json"))["isa"],
                      gdal=said("gdalinfo", "--version").split(",")[0], grass="GRASS " + said("grass", "--config", "version") if shutil.which("grass") else "none")
         for side in map(int, options.sides.split(",")):
-            lines += measure(tool, side, clock, folder)
+            lines += measure(tool, side, options.rounds, folder)
         lines += compare_maps(tool, folder)
     with open(os.path.join(ROOT, "papers/data/terrain.json"), "w", encoding="utf-8") as file:
-        for line in [run, *clock.lines, *lines]:
+        for line in [run, *lines]:
             file.write(json.dumps(line, separators=(",", ":")) + "\n")
 
 

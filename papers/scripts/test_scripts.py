@@ -66,10 +66,12 @@ class Blocks(Folder):
         data = self.data(line("default", 1, line=0), line("default", 2), line("embree:w8", 8))
         self.assertEqual(draw.made("text", "file=a\n{digits(faster())}", data), "4.0\n")
 
-    def test_lists_add_up_and_columns_have_titles(self):
-        data = self.data({"kind": "x", "by": "a", "n": 1200}, {"kind": "x", "by": "a", "n": 34}, {"kind": "y"})
-        query = """file=a where="kind == '{}'" group=by cols="by|by; n|grouped(n)" """
-        self.assertEqual(draw.made("list", query.format("x"), data), "| by | n |\n|---|--:|\n| a | 1 234 |\n")
+    def test_sums_and_titles_of_columns(self):
+        data = self.data({"kind": "x", "by": "a", "n": 1200}, {"kind": "x", "by": "a", "n": 34, "m": {"k": 5}}, {"kind": "y"})
+        query = """file=a where="kind == 'x'" rows=by head=by columns="n|grouped(total('n'))" """
+        self.assertEqual(draw.made("table", query, data), "| by | n |\n|---|--:|\n| a | 1 234 |\n")
+        query = """file=a where="kind == '{}'" cols="by|by; n|grouped(n); m|m and m['k'] or ''" """
+        self.assertEqual(draw.made("list", query.format("x"), data), "| by | n | m |\n|---|--:|--:|\n| a | 1 200 | |\n| a | 34 | 5 |\n")
         with contextlib.redirect_stderr(io.StringIO()) as said:
             self.assertEqual(draw.made("list", query.format("z"), data), "–\n")
         self.assertIn("no line of a has", said.getvalue())
@@ -149,14 +151,14 @@ class Layout(Folder):
         self.finds("a bar lies outside")
 
     def test_labels(self):
-        first = self.axes.annotate("first", (2, 2), (6, -10), textcoords="offset points")
+        first = self.axes.text(2, 1.5, "first")
         self.finds()
-        second = self.axes.annotate("second", (2, 2), (9, -12), textcoords="offset points")
+        second = self.axes.text(2.05, 1.52, "second")
         self.finds('"second" overlaps "first"')
         second.remove()
-        first.set_position((-130, 0))  # upon the numbers of the axis
-        self.finds('"first" lies outside its axes', '"2.00" overlaps "first"')
-        first.set_position((-500, 0))
+        first.set_x(0.8)  # upon the numbers of the axis
+        self.finds('"first" lies outside its axes', '"1.50" overlaps "first"')
+        first.set_x(-9)
         self.finds('"first" lies outside the picture')
 
     def test_limits_hold_the_values(self):
