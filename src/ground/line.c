@@ -140,20 +140,29 @@ bool line_head_profiles(double megahertz, io_output *to, io_error *error) {
     return io_output_print(to, error, "pair,distance,x,y,ground,line,seen%s\n", megahertz > 0 ? ",fresnel_radius" : "");
 }
 
+line_row line_row_of(const line *l, double megahertz, const profile_point *at) {
+    const double metres = terrain_metres_of_height(l->sight.terrain);
+    double xy[2];
+    for (int e = 0; e < 2; e++) xy[e] = l->ends[0][e] + at->share * (l->ends[1][e] - l->ends[0][e]);
+    return (line_row){at->share * l->length,
+                      xy[0],
+                      xy[1],
+                      at->ground * metres,
+                      at->line * metres,
+                      at->seen,
+                      megahertz > 0 ? line_fresnel_radius(l, megahertz, at->share) : NAN};
+}
+
 bool line_write_profile(const line *l, size_t number, double megahertz, const profile *p, io_output *to,
                         io_error *error) {
-    const double metres = terrain_metres_of_height(l->sight.terrain);
     for (size_t k = 0; k < p->count; k++) {
-        const profile_point *at = &p->points[k];
-        double xy[2];
-        for (int e = 0; e < 2; e++) xy[e] = l->ends[0][e] + at->share * (l->ends[1][e] - l->ends[0][e]);
-        const double distance = at->share * l->length, over = line_no_minus(at->line * metres);
-        bool good = io_output_print(to, error, "%zu,%.3f,%.12g,%.12g,", number, distance, xy[0], xy[1]);
-        good = good && (isnan(at->ground) ? io_output_print(to, error, ",%.3f,", over)
-                                          : io_output_print(to, error, "%.3f,%.3f,%d",
-                                                            line_no_minus(at->ground * metres), over, at->seen));
-        if (megahertz > 0)
-            good = good && io_output_print(to, error, ",%.3f", line_fresnel_radius(l, megahertz, at->share));
+        const line_row r = line_row_of(l, megahertz, &p->points[k]);
+        const double over = line_no_minus(r.line);
+        bool good = io_output_print(to, error, "%zu,%.3f,%.12g,%.12g,", number, r.distance, r.x, r.y);
+        good = good &&
+               (isnan(r.ground) ? io_output_print(to, error, ",%.3f,", over)
+                                : io_output_print(to, error, "%.3f,%.3f,%.0f", line_no_minus(r.ground), over, r.seen));
+        good = good && (isnan(r.radius) || io_output_print(to, error, ",%.3f", r.radius));
         if (!good || !io_output_write(to, "\n", 1, error)) return false;
     }
     return true;

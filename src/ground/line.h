@@ -41,6 +41,12 @@ void line_clearance(const line *l, double megahertz, const profile *p, clearance
 /* The first Fresnel zone's radius in metres at a share of the way. */
 double line_fresnel_radius(const line *l, double megahertz, double where);
 
+/* A point of the profile in metres, and on the map. */
+typedef struct line_row {
+    double distance, x, y, ground, line, seen, radius; /* radius: the first Fresnel zone's; NaN if megahertz is 0 */
+} line_row;
+line_row line_row_of(const line *l, double megahertz, const profile_point *at);
+
 /* For three decimals: without the sign of a number that they round to 0. */
 static inline double line_no_minus(double metres) { return metres > -0.0005 && metres < 0.0005 ? 0 : metres; }
 

@@ -26,7 +26,7 @@ static size_t part_of(const observers *o, size_t k) { return o->from->file ? o->
 static observer given(const observers *o, size_t k) {
     if (!o->from->file) {
         const ground_place *p = &o->from->places[k];
-        return (observer){p->x, p->y, p->z, p->absolute, 1, NAN, k};
+        return (observer){p->x, p->y, p->z, p->absolute, p->weight, NAN, k};
     }
     const io_point *p = &o->points.points[k];
     return (observer){p->x, p->y, isnan(p->height) ? o->from->height : p->height, p->absolute, p->weight, NAN, k};
@@ -67,7 +67,7 @@ static ground_place place_of(const observers *o, const observer *a, char text[OB
     if (o->from->file) io_points_name(&o->points, a->given, name, sizeof name);
     if (!isnan(a->along)) snprintf(way, sizeof way, "%s%.10g m along the line", name[0] ? ", " : "", a->along);
     snprintf(text, OBSERVER_TEXT, "%s%s: %.10g,%.10g,%s%.10g", name, way, a->x, a->y, a->absolute ? "=" : "", a->z);
-    return (ground_place){text, a->x, a->y, a->z, a->absolute};
+    return (ground_place){text, a->x, a->y, a->z, a->absolute, a->weight};
 }
 
 static bool put_lines(observers *o, const terrain *t, io_error *error) {

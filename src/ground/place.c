@@ -41,7 +41,7 @@ bool ground_parse_place(const char *text, double height, ground_place *p, io_err
         if (absolute) memmove(copy + (comma - text) + 1, comma + 2, strlen(comma + 2) + 1);
         count = ground_numbers(copy, numbers, absolute ? 3 : 2, 3);
     }
-    *p = (ground_place){text, numbers[0], numbers[1], numbers[2], absolute};
+    *p = (ground_place){text, numbers[0], numbers[1], numbers[2], absolute, 1};
     return count > 0 ||
            io_fail(error,
                    "a place is X,Y or X,Y,H with H metres above ground, or X,Y,=Z with an absolute height, "

@@ -20,6 +20,7 @@ typedef struct ground_place {
     const char *text; /* as it was given */
     double x, y, z;
     bool absolute;
+    double weight; /* of an observer there, in a sum of many */
 } ground_place;
 
 /* X,Y,H or X,Y,+H, X,Y,=Z, or X,Y, which is height above ground. */

@@ -60,7 +60,7 @@ def test_shadow_reaches_over_chunks(file):
     low, high = r.block_ranges()
     z = cw.open(file).z
     assert low.shape == (2, 2) and low[0, 0] == np.nanmin(z[:256, :256]) and high[1, 0] == np.nanmax(z[256:, :256])
-    window = r.reach.sunward(low, high, float(high.max()), np.array([[90.0, 30, 0, 0]]), cwd._Window(0, 0, 64, 64))
+    window = r.reach("sunward", (0, 0, 64, 64), (low, high, np.array([[90.0, 30, 0, 0]])), highest=float(high.max()))
     assert window.columns < COLUMNS and window.row == 0 and window.rows < 80
 
 
@@ -73,24 +73,24 @@ def test_blocks_of_chunks_that_are_not_aligned(file):
 
 
 def test_a_window_with_too_many_samples_to_count_is_refused():
-    reach = cwd._Reach(cwd._Geometry(300, 200, ((1, 0, 0, 0), (0, -1, 0, 0), (0, 0, 1, 0)), True, read_crs(None), None, b""))
+    reach = cwd._reach_of(cwd._plans.Site(300, 200, ((1, 0, 0, 0), (0, -1, 0, 0), (0, 0, 1, 0)), True, read_crs(None), None, b""))
     for window in (0, 0, 2 ** 62, 2 ** 62), (299, 0, 2, 2), (-1, 0, 2, 2):
         with pytest.raises(ValueError, match="window: no part"):
-            reach.padded(cwd._Window(*window))
+            reach("grown", window)
 
 
 def test_blocks_out_of_reach_are_not_looked_at():
     """The highest sample limits which blocks are looked at, and changes no window; too low a one does."""
     random = np.random.default_rng(3)
     place = ((10.0, 1, 0, 6e5), (0.5, -12, 0, 5e6), (0, 0, 1, 0))
-    reach = cwd._Reach(cwd._Geometry(40 * 256 + 9, 50 * 256 - 3, place, True, read_crs(None)._replace(unit=1.0), None, b""))
+    reach = cwd._reach_of(cwd._plans.Site(40 * 256 + 9, 50 * 256 - 3, place, True, read_crs(None)._replace(unit=1.0), None, b""))
     low = random.uniform(0, 300, (41, 50)).astype(np.float32)
     high = low + random.uniform(0, 900, low.shape).astype(np.float32) * (random.random(low.shape) < 0.2)
     differ = 0
     for _ in range(300):
         azimuth, altitude, disc = random.uniform(0, 360), random.choice([-2, 3, 10, 25, 60, 90]), random.choice([0, 1])
         window = (int(random.integers(0, 9000)), int(random.integers(0, 9000)), 512, 700)
-        every, some, none = (reach.sunward(low, high, top, np.array([[azimuth, altitude, disc, 0]], float), window) for top in (1e30, float(high.max()), 310))
+        every, some, none = (reach("sunward", window, (low, high, np.array([[azimuth, altitude, disc, 0]], float)), highest=top) for top in (1e30, float(high.max()), 310))
         assert every == some
         differ += none != every
     assert differ > 50
@@ -103,7 +103,7 @@ def test_blocks_out_of_reach_are_not_looked_at():
 def test_insolation(file, arguments):
     """Lower suns of a direction need more than higher ones: the chunk's window holds all that any of them needs."""
     same(compute(cwd.insolation(file, chunks=64, **arguments)), cw.open(file).insolation(**arguments))
-    plan = cwd._plans.insolation(cwd._Raster(file).geometry, None, None, "1h", 8, False, 3, 32, None, 7, [(2, 9), (359, 4), (50, 60), (3, -9)])
+    plan = cwd._plans.insolation(cwd._Raster(file).site, None, None, "1h", 8, False, 3, 32, None, 7, [(2, 9), (359, 4), (50, 60), (3, -9)])
     np.testing.assert_array_equal(cwd._plans.lowest_suns(plan), [[0, 4, 0, 7], [45, 60, 0, 7]])
 
 
@@ -118,7 +118,7 @@ def test_horizon_and_sky_view(file):
         same(compute(cwd.horizon(file, 5, distance, start=3, chunks=64, curvature=20)), wanted)
         same(compute(cwd.sky_view(file, 6, distance, chunks=64, tilted=True)), field.sky_view(6, distance, tilted=True))
     r = cwd._Raster(file, 64, 1, None, None, None, 2e9)
-    near = r.reach.beside(cwd._Window(128, 64, 64, 64), 700.0)
+    near = r.reach("beside", (128, 64, 64, 64), max_distance=700.0)
     assert near.rows * near.columns < ROWS * COLUMNS / 2 and near.row < 128 and near.row + near.rows > 192
 
 

@@ -29,7 +29,7 @@ def test_numbers_have_a_point(tmp_path):
     field = cw.open(path)
     assert np.array_equal(field.z, np.float32([[1.5, 2.25, np.nan], [-0.125, 0.1, 7]]), equal_nan=True)
     assert field.bounds == (10.5, -3.25, 11.5, -2.75)
-    assert cw._cellwalk.describe_crs(WKT) == (False, 0.5, 6371000.5, 298.25)
+    assert cw._cellwalk.describe_crs(WKT) == (WKT, False, 0.5, 6371000.5, 298.25)
 
 
 def test_places_are_the_same():

@@ -4,6 +4,7 @@ changed. Messages say argument, shape and value."""
 
 from __future__ import annotations
 
+import importlib
 import math
 import sys
 import warnings
@@ -58,6 +59,10 @@ def map_of_transform(transform) -> np.ndarray:
     return np.array([[a, b, 0, c + 0.5 * a + 0.5 * b], [d, e, 0, f + 0.5 * d + 0.5 * e], [0, 0, 1, 0]])
 
 
+def map_of_file(given: dict[str, Any]) -> np.ndarray:
+    return np.frombuffer(given["map"]).reshape(3, 4).copy()
+
+
 def line_of_coordinates(values, name: str) -> tuple[float, float]:
     """Start and step of regular coordinates. They may be off by a hundredth of a step, or by what their dtype rounds."""
     values = np.asarray(values)
@@ -106,8 +111,7 @@ def read_crs(crs) -> Crs:
         known = _cellwalk.describe_crs(text)
     if known is None:
         raise ValueError(f"crs: {crs!r} is neither geographic nor projected")
-    geographic, unit, semi_major, inverse_flattening = known
-    return Crs(crs, text, geographic, unit, semi_major, inverse_flattening)
+    return Crs(crs, *known)
 
 
 def scale_of(source: Source, rows: int, columns: int, name: str) -> Optional[bytes]:
@@ -122,20 +126,14 @@ def scale_of(source: Source, rows: int, columns: int, name: str) -> Optional[byt
 
 
 def _look_up(crs) -> str:
-    try:
-        import pyproj  # type: ignore[import]
-        return pyproj.CRS.from_user_input(crs).to_wkt()
-    except ImportError:
-        pass
-    except Exception as error:
-        raise ValueError(f"crs: {crs!r}: {error}") from None
-    try:
-        import rasterio.crs  # type: ignore[import]
-        return rasterio.crs.CRS.from_user_input(crs).to_wkt()
-    except ImportError:
-        raise ValueError(f"crs: {crs!r} is no well-known text, and neither pyproj nor rasterio is installed to look it up") from None
-    except Exception as error:
-        raise ValueError(f"crs: {crs!r}: {error}") from None
+    for name in "pyproj.crs", "rasterio.crs":
+        try:
+            return importlib.import_module(name).CRS.from_user_input(crs).to_wkt()
+        except ImportError:
+            continue
+        except Exception as error:
+            raise ValueError(f"crs: {crs!r}: {error}") from None
+    raise ValueError(f"crs: {crs!r} is no well-known text, and neither pyproj nor rasterio is installed to look it up")
 
 
 # ---- samples --------------------------------------------------------------------------------------------------------------
@@ -151,8 +149,8 @@ class Source(NamedTuple):
     nodata: Optional[float]
 
 
-def samples_of(values, nodata=None, name: str = "z") -> np.ndarray:
-    """Contiguous native float32 with NaN at holes. Copied only if it is not that already."""
+def samples_of(values, nodata=None, name: str = "z", least: int = 2) -> np.ndarray:
+    """Contiguous native float32 with NaN at holes, at least so many rows and columns. Copied only if it is not that already."""
     mask = None
     if isinstance(values, np.ma.MaskedArray):
         mask = np.ma.getmaskarray(values)
@@ -160,7 +158,7 @@ def samples_of(values, nodata=None, name: str = "z") -> np.ndarray:
     array = np.asarray(values)
     if array.ndim != 2:
         raise ValueError(f"{name}: shape {array.shape}, expected (rows, columns)")
-    if min(array.shape) < 2:
+    if min(array.shape) < least:
         raise ValueError(f"{name}: shape {array.shape}, expected at least 2 rows and 2 columns")
     if array.dtype.kind not in "fiub" or array.dtype.itemsize > 8 and array.dtype.kind != "f":
         raise TypeError(f"{name}: dtype {array.dtype}, expected real numbers")
@@ -191,11 +189,6 @@ def samples_of(values, nodata=None, name: str = "z") -> np.ndarray:
 
 _X_NAMES = ("x", "lon", "longitude", "easting", "projection_x_coordinate")
 _Y_NAMES = ("y", "lat", "latitude", "northing", "projection_y_coordinate")
-
-
-def _source_of_dataarray(z, transform, crs, nodata, zscale) -> Source:
-    described = describe_dataarray(z, transform, crs, nodata, zscale)
-    return described._replace(samples=samples_of(described.like.values, described.nodata))
 
 
 def describe_dataarray(z, transform=None, crs=None, nodata=None, zscale=None) -> Source:
@@ -330,7 +323,8 @@ def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
 
 def read_source(z, transform, crs, nodata, zscale, band) -> Source:
     if hasattr(z, "dims") and hasattr(z, "coords") and hasattr(z, "values"):
-        return _source_of_dataarray(z, transform, crs, nodata, zscale)
+        described = describe_dataarray(z, transform, crs, nodata, zscale)
+        return described._replace(samples=samples_of(described.like.values, described.nodata))
     if hasattr(z, "read") and hasattr(z, "transform"):
         return _source_of_dataset(z, transform, crs, nodata, zscale, band)
     if isinstance(z, (str, bytes)) or hasattr(z, "__fspath__"):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
 import numpy as np
 
 from . import _cellwalk
-from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, nodata_of, numbers, progress_call, read_crs, read_source, samples_of, scale_of, warn_of_heights
+from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, map_of_file, nodata_of, numbers, progress_call, read_crs, read_source, samples_of, scale_of, warn_of_heights
 from ._hits import Hits, _dtype
 from ._products import Products
 from ._rays import rays_of
@@ -89,8 +89,8 @@ class Field(Products):
     def __init__(self, z: Any, transform: Any = None, crs: Any = None, nodata: float | None = None, threads: int = 0, *,
                  zscale: float | None = None, band: int | None = None, copy: bool = False, progress=None) -> None:
         self._make(read_source(z, transform, crs, nodata_of(nodata), zscale, band), threads, copy, progress, z)
-        about = self._core.describe()
-        warn_of_heights(self._samples, about["low"], about["high"], self._source.nodata)
+        low, high, _ = self._core.describe()
+        warn_of_heights(self._samples, low, high, self._source.nodata)
 
     def _make(self, source: Source, threads, copy, progress, given=None, whole=None, scale: Any = None) -> None:
         self._threads = count(threads, "threads", 0, 4096)
@@ -116,11 +116,14 @@ class Field(Products):
                                    known.semi_major, known.inverse_flattening, self._threads, progress_call(progress),
                                    *(() if self._whole is None else (self._whole,)))
 
-        core = make(samples)
-        if core is None:  # infinite holes become NaN in a copy
+        try:
+            core = make(samples)
+        except ValueError:
+            if not np.isinf(samples).any():
+                raise
             samples = np.where(np.isinf(samples), np.float32(np.nan), samples)
             self._own = True
-            core = make(samples)
+            core = make(samples)  # infinite holes become NaN in a copy
         self._core, self._samples = core, samples
         self._ready = False
 
@@ -183,13 +186,13 @@ class Field(Products):
         return self._difference
 
     def __repr__(self) -> str:
-        about, known, m = self._core.describe(), self._source.crs, self._source.map
-        heights = f"heights {about['low']:g} to {about['high']:g}" if about["low"] <= about["high"] else "no heights"
+        (low, high, holes), known, m = self._core.describe(), self._source.crs, self._source.map
+        heights = f"heights {low:g} to {high:g}" if low <= high else "no heights"
         cell = " x ".join(f"{float(np.hypot(m[0, k], m[1, k])):g}" for k in range(2))
         unit = ("" if not self._source.placed else " degrees" if known.geographic else
                 " m" if known.unit == 1 else f" x {known.unit:g} m" if known.unit else "")
         name = known.wkt.split('"')[1] if known.wkt and '"' in known.wkt else "no crs"
-        return (f"<cellwalk.Field: {self.shape[0]} rows of {self.shape[1]} samples, {heights}, {about['holes']} holes, "
+        return (f"<cellwalk.Field: {self.shape[0]} rows of {self.shape[1]} samples, {heights}, {holes} holes, "
                 f"cells {cell}{unit}, {name}>")
 
     def __reduce__(self):
@@ -264,10 +267,10 @@ class Field(Products):
             x, y = np.broadcast_arrays(numbers(x, "x").astype(np.float64), numbers(y, "y").astype(np.float64))
         except ValueError:
             raise ValueError(f"shapes do not broadcast: x {np.shape(x)}, y {np.shape(y)}") from None
-        out = np.empty(x.shape, np.float64)
+        places = np.stack([x, y, np.full(x.shape, self._source.map[2, 3])], -1)
         if x.size:
-            self._call("at", {}, (np.ascontiguousarray(x), np.ascontiguousarray(y)), (out,), progress, core=self._core)
-        return out[()] if out.ndim == 0 else out
+            self._call("at", {}, (places,), (np.empty(x.size, _dtype), places), progress, core=self._core)
+        return places[..., 2].copy()[()]
 
     def coarser(self, factor: int, filter: str = "mean", *, progress=None) -> Field:
         """A field of every factor-th row and column, in the same place on the map. It takes a share of 1 / factor² of the memory.
@@ -326,13 +329,7 @@ class Field(Products):
             raise ValueError(f"block: shape {array.shape} at ({row}, {column}) goes beyond the field's {self.shape}")
         if rows == 0 or columns == 0:
             return
-        # samples_of takes no single rows.
-        if min(rows, columns) < 2:
-            padded: Any = np.ma.MaskedArray(np.empty((max(rows, 2), max(columns, 2)), array.dtype), mask=True)
-            padded[:rows, :columns] = array
-            block = np.ascontiguousarray(samples_of(padded, nodata, "block")[:rows, :columns])
-        else:
-            block = samples_of(array, nodata, "block")
+        block = samples_of(array, nodata, "block", 1)
         if np.isinf(block).any():
             block = np.where(np.isinf(block), np.float32(np.nan), block)
         if not self._own:
@@ -371,14 +368,12 @@ def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None =
                                   progress_call(progress))
     for sentence in given["warnings"]:
         warnings.warn(sentence, stacklevel=2)
-    known = Crs(given["crs"], given["crs"], given["geographic"], given["unit"], given["semi_major"], given["inverse_flattening"])
-    if crs is not None:
-        known = read_crs(crs)
-    samples = np.asarray(given["samples"])
+    known = Crs(given["crs"][0], *given["crs"]) if crs is None else read_crs(crs)
+    samples = np.frombuffer(given["samples"], np.float32).reshape(given["shape"])
     if min(samples.shape) < 2:
         raise ValueError(f"{path}: {samples.shape[0]} rows of {samples.shape[1]} samples, expected at least 2 of each")
     field = Field.__new__(Field)
-    field._make(Source(samples, np.array(given["map"]), given["placed"], known, None, given["nodata"]), threads, False, progress)
+    field._make(Source(samples, map_of_file(given), given["placed"], known, None, given["nodata"]), threads, False, progress)
     field._origin = path, window if window is None else (column, row, columns, rows), band, nodata, cellsize, zscale, crs, threads
     return field
 

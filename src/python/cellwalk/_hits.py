@@ -5,15 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import _cellwalk
-
-_names = ("t", "u", "v", "i", "j", "triangle")
-_dtype = np.dtype({
-    "names": _names,
-    "formats": ["=f4", "=f4", "=f4", "=i4", "=i4", "=u4"],
-    "offsets": [_cellwalk.HIT_LAYOUT[name] for name in _names],
-    "itemsize": _cellwalk.HIT_LAYOUT["size"],
-})
+_dtype = np.dtype({"names": ["t", "u", "v", "i", "j", "triangle"], "formats": ["=f4", "=f4", "=f4", "=i4", "=i4", "=u4"],
+                   "offsets": [0, 16, 20, 4, 8, 12], "itemsize": 24})  # as cw_hit of include/cellwalk.h
 
 
 class Hits:
@@ -39,6 +32,12 @@ class Hits:
     """
 
     __slots__ = ("records", "_field")
+    t: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+    i: np.ndarray
+    j: np.ndarray
+    triangle: np.ndarray
 
     def __init__(self, records: np.ndarray, field) -> None:
         self.records = records
@@ -48,29 +47,10 @@ class Hits:
     def hit(self) -> np.ndarray:
         return self.records["i"] >= 0
 
-    @property
-    def t(self) -> np.ndarray:
-        return self.records["t"]
-
-    @property
-    def u(self) -> np.ndarray:
-        return self.records["u"]
-
-    @property
-    def v(self) -> np.ndarray:
-        return self.records["v"]
-
-    @property
-    def i(self) -> np.ndarray:
-        return self.records["i"]
-
-    @property
-    def j(self) -> np.ndarray:
-        return self.records["j"]
-
-    @property
-    def triangle(self) -> np.ndarray:
-        return self.records["triangle"]
+    def __getattr__(self, name: str) -> np.ndarray:
+        if name not in _dtype.fields:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return self.records[name]
 
     @property
     def shape(self) -> tuple[int, ...]:

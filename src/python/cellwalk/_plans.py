@@ -5,7 +5,6 @@ cellwalk.dask of a chunk's."""
 from __future__ import annotations
 
 import datetime
-import math
 import re
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 
@@ -30,6 +29,8 @@ class Site(NamedTuple):
     map: Any
     placed: bool
     crs: Crs
+    nodata: Optional[float] = None
+    scale: bytes = b""  # of the map; empty: it has none
 
 
 class Plan(NamedTuple):
@@ -38,7 +39,7 @@ class Plan(NamedTuple):
     name: str  # the result's
     attrs: dict[str, Any]
     dtype: Any = np.float32
-    lead: Optional[tuple[str, Any]] = None  # a dimension before rows and columns, and its values; azimuths are filled in
+    lead: Optional[tuple[str, Any]] = None  # a dimension before rows and columns, and its values
     inputs: tuple = ()
 
     def shape(self, rows: int, columns: int) -> tuple[int, ...]:
@@ -85,10 +86,7 @@ def locate(site: Site, what: str, place: Optional[tuple[float, float]] = None) -
     if known.wkt is None:
         raise ValueError(f"{what}: without a coordinate system (crs) nothing says where the sun stands; give "
                          f"{'azimuth and altitude' if what == 'time' else 'lon_lat'}")
-    longitude, latitude = _cellwalk.lon_lat(known.wkt, False, x, y)
-    south = latitude - 1e-4
-    (x0, y0), (x1, y1) = (_cellwalk.lon_lat(known.wkt, True, longitude, v) for v in (south, south + 2e-4))
-    return longitude, latitude, math.atan2(x1 - x0, y1 - y0) * _DEGREES
+    return _cellwalk.locate(known.wkt, x, y)
 
 
 def _days(day: Day, name: str) -> tuple[float, float]:
@@ -227,21 +225,20 @@ def distance_of(max_distance) -> float:
 
 
 def round_of(directions, max_distance, curvature, start=0.0) -> dict[str, float]:
-    sky = {"start": finite(start, "start"), "directions": count(directions, "directions", 1, 3600),
-           "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0)}
-    return sky
+    return {"start": finite(start, "start"), "directions": count(directions, "directions", 1, 3600),
+            "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0)}
 
 
 def horizon(site: Site, directions, max_distance, start, curvature, distance) -> Plan:
     sky = round_of(directions, max_distance, curvature, start)
     azimuths = np.fmod(sky["start"] + 360 * np.arange(directions) / directions, 360)
     about = {"long_name": "distance to the horizon", "units": "m"} if distance else {"long_name": "horizon", "units": "degrees"}
-    return Plan("horizon_distance" if distance else "horizon", sky, "horizon", about, lead=("azimuth", azimuths))
+    return Plan("horizon", {**sky, "metres": bool(distance)}, "horizon", about, lead=("azimuth", azimuths))
 
 
 def sky_view(site: Site, directions, max_distance, curvature, tilted) -> Plan:
-    return Plan("sky_view_tilted" if tilted else "sky_view", round_of(directions, max_distance, curvature), "sky_view",
-                {"long_name": "sky-view factor"})
+    numbers = {**round_of(directions, max_distance, curvature), "tilted": bool(tilted)}
+    return Plan("sky_view", numbers, "sky_view", {"long_name": "sky-view factor"})
 
 
 def openness(site: Site, directions, max_distance, start, curvature, negative) -> Plan:
@@ -319,7 +316,7 @@ def limits_of(site: Site, target_height, max_distance, min_distance, azimuth, ve
 
 
 _KINDS = ("seen", "weights", "angle", "needed", "needed_absolute")
-_VIEWS = {"seen": ("viewshed", {"long_name": "number of observers that see it"}),
+VIEWS = {"seen": ("viewshed", {"long_name": "number of observers that see it"}),
           "weights": ("viewshed", {"long_name": "sum of the weights of the observers that see it"}),
           "angle": ("viewshed_angle", {"long_name": "angle of the target above the eye's horizontal", "units": "degrees"}),
           "needed": ("needed_height", {"long_name": "height above ground needed to be seen", "units": "m"}),
@@ -327,15 +324,15 @@ _VIEWS = {"seen": ("viewshed", {"long_name": "number of observers that see it"})
 
 
 def viewshed(spots: np.ndarray, limits: dict[str, float], kind: str, bands: bool) -> Plan:
-    """What the spots see. Counts come as uint16, with nothing at holes."""
+    """What the spots see. Counts come as uint16, weights as float64, with nothing at holes."""
     if kind not in _KINDS[:2] and len(spots) > 1 and not bands:
         raise ValueError(f"{kind}: that of one observer, not of {len(spots)}; bands=True gives one for each")
     if bands and kind == "weights":
         raise ValueError("weights: adds observers up, and bands keeps them apart")
     if kind.startswith("needed") and "has_verticals" in limits:
         raise ValueError("vertical: is about targets of a given height, and needed looks for that height")
-    return Plan("viewshed", {**limits, "kind": _KINDS.index(kind), "bands": bands}, *_VIEWS[kind],
-                np.uint16 if kind == "seen" else np.float32, ("observer", list(range(len(spots)))) if bands else None, (spots,))
+    dtype = {"seen": np.uint16, "weights": np.float64}.get(kind, np.float32)
+    return Plan("viewshed", {**limits, "kind": _KINDS.index(kind), "bands": bands}, *VIEWS[kind], dtype, ("observer", list(range(len(spots)))) if bands else None, (spots,))
 
 
 def ends_of(a, b, absolute) -> tuple[tuple[int, ...], np.ndarray]:

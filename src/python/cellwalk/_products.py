@@ -138,8 +138,7 @@ class Products:
         """The plan's product of all samples, or of a window's."""
         window = (0, 0, *self.shape) if window is None else window
         out = np.zeros(plan.shape(*window[2:]), plan.dtype)
-        filled = (plan.lead[1],) if plan.lead is not None and isinstance(plan.lead[1], np.ndarray) else ()
-        self._call(plan.make, plan.numbers, plan.inputs, (out, *filled), progress, window=window)
+        self._call(plan.make, plan.numbers, plan.inputs, (out,), progress, window=window)
         return out
 
     def _product(self, plan: _plans.Plan, progress=None) -> Any:
@@ -360,6 +359,11 @@ class Products:
             data[..., ~np.isfinite(self._samples)] = 255 if small else 65535
             data = data.astype(np.uint8) if small else data
             plan.attrs["_FillValue"] = data.dtype.type(255 if small else 65535)
+        elif kind == "weights":
+            data = np.where(np.isfinite(self._samples), data, np.nan).astype(np.float32)
+        elif kind == "needed_absolute":
+            metres = self._source.map[2, 2] * (1.0 if self._source.crs.geographic else self._source.crs.unit or 1.0)
+            data = (data + self._samples.astype(np.float64) * metres).astype(np.float32)
         return _result(self, data, plan.name, plan.attrs, **dict([plan.lead] if plan.lead else ()))
 
     def sites(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike | None = None, target_height: float = 0.0,
@@ -383,7 +387,7 @@ class Products:
             if mask[0].shape != self.shape:
                 raise ValueError(f"within: shape {mask[0].shape}, expected the field's {self.shape}")
         out = np.empty((len(spots), 5))
-        self._call("viewshed", {**limits, "table": 1, "within": bool(mask)}, (spots, *mask), (out,), progress, window=(0, 0, *self.shape))
+        self._call("viewshed", limits, (spots, *mask), (np.empty(self.shape, np.uint16), out), progress, window=(0, 0, *self.shape))
         return Sites(out[:, 0].astype(np.int64), out[:, 1], out[:, 2], out[:, 3:])
 
     def horizon_at(self, x: ArrayLike, y: ArrayLike, height: ArrayLike | None = None, directions: int = 32, max_distance: float | None = None,

@@ -32,7 +32,7 @@ import dask.array as da
 import numpy as np
 
 from . import _cellwalk, _plans
-from ._convert import Crs, Source, count, describe_dataarray, finite, nodata_of, samples_of, scale_of
+from ._convert import Crs, Source, count, describe_dataarray, finite, map_of_file, nodata_of, samples_of, scale_of
 from ._field import Field, open as open_field
 
 # A task's samples, as they are read and as the field has them, and the field's bounds over them.
@@ -40,17 +40,6 @@ _BYTES_A_SAMPLE = 10
 
 # Tasks are annotated with the file that they read, which no result may replace.
 _INPUT = "cellwalk_input"
-
-
-class _Geometry(NamedTuple):
-    """What tasks are told of the whole raster."""
-    rows: int
-    columns: int
-    map: tuple
-    placed: bool
-    crs: Crs
-    nodata: Optional[float]
-    scale: bytes  # of the map; empty: it has none
 
 
 class _Window(NamedTuple):
@@ -70,24 +59,19 @@ class _Window(NamedTuple):
                 slice(self.column // size, -(-(self.column + self.columns) // size)))
 
 
-def _header(path: str, band: int) -> dict[str, Any]:
-    """Of a raster, without the samples of what has windows."""
-    return _cellwalk.read_raster(path, band, None, 0.0, 0.0, None, None)
-
-
 # ---- what runs in a worker --------------------------------------------------------------------------------------------------
 
 
-def _samples(part, g: _Geometry, window: _Window) -> np.ndarray:
+def _samples(part, g: _plans.Site, window: _Window) -> np.ndarray:
     """part is a path with a band, or the window's block of a chunked array."""
     if isinstance(part, tuple):
         path, band = part
-        given = _cellwalk.read_raster(path, band, g.nodata, 0.0, 0.0, (window.column, window.row, window.columns, window.rows), None)
-        return np.asarray(given["samples"])
+        given = _cellwalk.read_raster(path, band, g.nodata, 0.0, 0.0, (window.column, window.row, window.columns, window.rows))
+        return np.frombuffer(given["samples"], np.float32).reshape(given["shape"])
     return samples_of(part, g.nodata)
 
 
-def _field(part, g: _Geometry, window: _Window, threads: int) -> Field:
+def _field(part, g: _plans.Site, window: _Window, threads: int) -> Field:
     affine = np.array(g.map)
     whole = g.columns, g.rows, window.column, window.row, affine.copy()
     affine[:2, 3] += affine[:2, 0] * window.column + affine[:2, 1] * window.row
@@ -131,67 +115,35 @@ def _seen(part, g, window, plan, threads):
     return out if plan.dtype == np.float32 else out.astype(np.uint8)
 
 
-def _common(chunk, window):
-    """Where their common samples are in each."""
-    top, left = max(chunk.row, window.row), max(chunk.column, window.column)
-    bottom, right = min(chunk.row + chunk.rows, window.row + window.rows), min(chunk.column + chunk.columns, window.column + window.columns)
-    both = _Window(top, left, bottom - top, right - left)
-    return both.inside(chunk), both.inside(window)
-
-
-def _needed(chunk, views):
-    """A chunk of the heights that are needed, from one view, if any is near."""
-    heights = np.full((chunk.rows, chunk.columns), np.nan, np.float32)
+def _join(part, g, chunk, padded, nodata, views):
+    """A chunk of the viewshed from what observers near it see, or if nodata is NaN the heights that are needed, from one view."""
+    counts = not np.isnan(nodata)
+    out = np.full((chunk.rows, chunk.columns), 0 if counts else np.nan, np.uint16 if counts else np.float32)
     for window, view in views:
-        here, there = _common(chunk, window)
-        heights[here] = view[there]
-    return heights
+        row, column = max(chunk.row, window.row), max(chunk.column, window.column)
+        both = _Window(row, column, min(chunk.row + chunk.rows, window.row + window.rows) - row,
+                       min(chunk.column + chunk.columns, window.column + window.columns) - column)
+        here = both.inside(chunk)
+        out[here] = view[both.inside(window)] + (out[here] if counts else 0)
+    if counts:
+        out[~np.isfinite(_samples(part, g, padded)[chunk.inside(padded)])] = nodata
+    return out.astype(np.uint8) if nodata == 255 else out
 
 
-def _sum_seen(part, g, chunk, padded, nodata, views):
-    """A chunk of the viewshed from what observers near it see."""
-    total = np.zeros((chunk.rows, chunk.columns), np.uint16)
-    for window, seen in views:
-        here, there = _common(chunk, window)
-        total[here] += seen[there]
-    holes = ~np.isfinite(_samples(part, g, padded)[chunk.inside(padded)])
-    total[holes] = nodata
-    return total if nodata > 255 else total.astype(np.uint8)
+def _reach_of(g: _plans.Site):
+    """A function that says how much of a raster matters to a part of it, by src/python/extension/pieces.c: all "beside" it within
+    max_distance; "grown" to at least 2 rows and columns, which a field needs; the part "around" a place that a viewshed examines, without
+    rows if there is none; "sunward" all that can throw a shadow on it."""
+    raster = _cellwalk.Field(None, g.columns, g.rows, np.array(g.map), g.crs.geographic, not g.placed, g.crs.unit, g.crs.semi_major,
+                             g.crs.inverse_flattening, 1, None)
+    if g.scale:
+        raster.scale(g.scale)
 
-
-# ---- what matters to a part ---------------------------------------------------------------------------------------------------
-
-
-class _Reach:
-    """How much of a raster matters to a part of it."""
-
-    def __init__(self, g: _Geometry) -> None:
-        self.map = _cellwalk.Field(None, g.columns, g.rows, np.array(g.map), g.crs.geographic, not g.placed, g.crs.unit, g.crs.semi_major,
-                                   g.crs.inverse_flattening, 1, None)
-        if g.scale:
-            self.map.scale(g.scale)
-
-    def _ask(self, what: str, window=(0, 0, 0, 0), inputs=(), **numbers: float) -> _Window:
+    def ask(what: str, window=(0, 0, 0, 0), inputs=(), **numbers: float) -> _Window:
         out = np.empty(4)
-        self.map.make(what, numbers, tuple(window), inputs, (out,), 1, None)
+        raster.make(what, numbers, tuple(window), inputs, (out,), 1, None)
         return _Window(*map(int, out))
-
-    def beside(self, window: _Window, metres: float) -> _Window:
-        """The window and all so near to it."""
-        return self._ask("beside", window, max_distance=metres)
-
-    def padded(self, window: _Window) -> _Window:
-        """At least 2 rows and columns, which a field needs."""
-        return self._ask("grown", window)
-
-    def around(self, x: float, y: float, metres: float) -> _Window:
-        """The part that a viewshed from a place examines: without rows if there is none."""
-        return self._ask("around", x=x, y=y, max_distance=metres)
-
-    def sunward(self, low: np.ndarray, high: np.ndarray, highest: float, lights: np.ndarray, window: _Window) -> _Window:
-        """The window and all that can throw a shadow on it, by the lowest and highest samples of all blocks: azimuth, altitude, radius
-        and curvature of each light."""
-        return self._ask("sunward", window, (low, high, lights), highest=highest)
+    return ask
 
 
 # ---- the graph --------------------------------------------------------------------------------------------------------------
@@ -209,7 +161,7 @@ class _Raster:
             self.path = os.path.abspath(os.fspath(source)) if "://" not in str(source) and not str(source).startswith("/vsi") else str(source)
             self.input = self.path
             self.band = 0 if band is None else count(band, "band", 1, 65535)
-            rows, columns = _header(self.path, self.band)["shape"]
+            rows, columns = _cellwalk.read_raster(self.path, self.band)["shape"]
             corner = open_field(self.path, (0, 0, 2, 2), band=band, nodata=nodata, crs=crs, threads=1)
             about = corner._source
         elif hasattr(source, "dims") and hasattr(source, "coords"):
@@ -223,9 +175,9 @@ class _Raster:
             raise TypeError(f"source: {type(source).__name__}, expected a path or a DataArray")
         if min(rows, columns) < 2:
             raise ValueError(f"source: {rows} rows of {columns} samples, expected at least 2 of each")
-        self.geometry = g = _Geometry(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata,
-                                      scale_of(about, rows, columns, self.path or "crs") or b"")
-        self.reach = _Reach(g)
+        self.site = g = _plans.Site(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata,
+                                    scale_of(about, rows, columns, self.path or "crs") or b"")
+        self.reach = _reach_of(g)
         try:
             self.chunks = da.core.normalize_chunks(2048 if chunks is None else chunks, (rows, columns), dtype=np.float32)
         except (TypeError, ValueError, ZeroDivisionError) as error:
@@ -259,11 +211,11 @@ class _Raster:
 
     def block_ranges(self) -> tuple[np.ndarray, np.ndarray]:
         """Of all blocks. One pass over the raster, made at once."""
-        size, g = _cellwalk.BLOCK, self.geometry
+        size, g = _cellwalk.BLOCK, self.site
         shape = -(-g.rows // size), -(-g.columns // size)
         low, high = np.full(shape, np.inf, np.float32), np.full(shape, -np.inf, np.float32)
         task = dask.delayed(_ranges, pure=True)
-        windows = [self.reach.padded(w) for row in self.windows for w in row]
+        windows = [self.reach("grown", w) for row in self.windows for w in row]
         for window, (least, most) in zip(windows, dask.compute([task(self.part(w), g, w) for w in windows])[0]):
             here = window.blocks()
             np.minimum(low[here], least, out=low[here])
@@ -276,7 +228,7 @@ class _Raster:
         self.check_memory(what, [pair for rows in zip(windows, self.windows) for pair in zip(*rows)],
                           chunk_bytes or 4 * (len(plan.lead[1]) if plan.lead else 1))
         task = self.delayed(_make)
-        blocks = [[task(self.part(window), self.geometry, window, chunk, plan, self.threads) for window, chunk in zip(*rows)]
+        blocks = [[task(self.part(window), self.site, window, chunk, plan, self.threads) for window, chunk in zip(*rows)]
                   for rows in zip(windows, self.windows)]
         return self.result(blocks, plan.dtype, plan.name, plan.attrs, plan.lead)
 
@@ -284,13 +236,13 @@ class _Raster:
         """The same from all that can throw a shadow on a chunk: azimuth, altitude, radius and curvature of each light."""
         low, high = self.block_ranges()
         highest = float(high.max())
-        return self.make(plan, lambda w: self.reach.sunward(low, high, highest, lights, w), f"altitude: {lights[:, 1].min()}", chunk_bytes)
+        return self.make(plan, lambda w: self.reach("sunward", w, (low, high, lights), highest=highest), f"altitude: {lights[:, 1].min()}", chunk_bytes)
 
     def make_around(self, plan: _plans.Plan, chunk_bytes: int = 0) -> Any:
         """The same from all within max_distance of a chunk."""
-        distance, g = plan.numbers.get("max_distance", 0), self.geometry
+        distance, g = plan.numbers.get("max_distance", 0), self.site
         if distance > 0:
-            return self.make(plan, lambda w: self.reach.beside(w, distance), f"max_distance: {distance:g}", chunk_bytes)
+            return self.make(plan, lambda w: self.reach("beside", w, max_distance=distance), f"max_distance: {distance:g}", chunk_bytes)
         return self.make(plan, lambda w: _Window(0, 0, g.rows, g.columns), "max_distance: None, so far mountains may count", chunk_bytes)
 
     def result(self, blocks, dtype, name, attrs, lead=None):
@@ -303,11 +255,11 @@ class _Raster:
                 import xarray
             except ImportError:
                 return array
-            m = self.geometry.map
+            m = self.site.map
             if m[0][1] or m[1][0]:
                 return array
             like = xarray.DataArray(array if lead is None else array[0], dims=("y", "x"), coords={
-                "y": m[1][3] + m[1][1] * np.arange(self.geometry.rows), "x": m[0][3] + m[0][0] * np.arange(self.geometry.columns)})
+                "y": m[1][3] + m[1][1] * np.arange(self.site.rows), "x": m[0][3] + m[0][0] * np.arange(self.site.columns)})
         keep = {key: like.attrs[key] for key in ("grid_mapping", "crs") if key in like.attrs}
         if lead is not None:
             like = like.expand_dims(dict([lead]))
@@ -330,7 +282,7 @@ def shadow(source: Any, azimuth: float | None = None, altitude: float | None = N
            hillshade: bool = False, disc: float | bool = 0, curvature: float = 0.0, **reading: Unpack[_Reading]) -> Any:
     """Sun and shadow on every sample, as Field.shadow. One pass over the raster is made at once; the rest is lazy."""
     r = _Raster(source, **reading)
-    plan = _plans.shadow(r.geometry, azimuth, altitude, time, hillshade, disc, curvature)
+    plan = _plans.shadow(r.site, azimuth, altitude, time, hillshade, disc, curvature)
     light = [plan.numbers[name] for name in ("azimuth", "altitude", "disc", "curvature")]
     return r.make_sunward(plan, np.array([light]))
 
@@ -341,7 +293,7 @@ def insolation(source: Any, date: _plans.Day | None = None, to: _plans.Day | Non
     """Hours of sunlight over days, or its energy, as Field.insolation. One pass over the raster is made at once; diffuse light depends
     on all of the raster, as sky_view does."""
     r = _Raster(source, **reading)
-    plan = _plans.insolation(r.geometry, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature, suns)
+    plan = _plans.insolation(r.site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature, suns)
     return r.make_around(plan, 16) if plan.lead else r.make_sunward(plan, _plans.lowest_suns(plan), 12)
 
 
@@ -349,28 +301,28 @@ def horizon(source: Any, directions: int = 32, max_distance: float | None = None
             distance: bool = False, **reading: Unpack[_Reading]) -> Any:
     """The horizon's angle in directions all round, or its distance, as Field.horizon."""
     r = _Raster(source, **reading)
-    return r.make_around(_plans.horizon(r.geometry, directions, max_distance, start, curvature, distance))
+    return r.make_around(_plans.horizon(r.site, directions, max_distance, start, curvature, distance))
 
 
 def sky_view(source: Any, directions: int = 32, max_distance: float | None = None, *, curvature: float = 0.0, tilted: bool = False,
              **reading: Unpack[_Reading]) -> Any:
     """The share of the sky, as Field.sky_view."""
     r = _Raster(source, **reading)
-    return r.make_around(_plans.sky_view(r.geometry, directions, max_distance, curvature, tilted))
+    return r.make_around(_plans.sky_view(r.site, directions, max_distance, curvature, tilted))
 
 
 def openness(source: Any, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
              negative: bool = False, **reading: Unpack[_Reading]) -> Any:
     """How open the land is, as Field.openness."""
     r = _Raster(source, **reading)
-    return r.make_around(_plans.openness(r.geometry, directions, max_distance, start, curvature, negative), 12)
+    return r.make_around(_plans.openness(r.site, directions, max_distance, start, curvature, negative), 12)
 
 
 def visibility(source: Any, directions: int = 128, max_distance: float | None = None, *, observer_height: float = 2.0,
                target_height: float = 0.0, curvature: float | None = None, result: str = "area", **reading: Unpack[_Reading]) -> Any:
     """How much of the ground every sample sees, as Field.visibility."""
     r = _Raster(source, **reading)
-    plan = _plans.visibility(r.geometry, directions, max_distance, observer_height, target_height, curvature, 1, result)
+    plan = _plans.visibility(r.site, directions, max_distance, observer_height, target_height, curvature, 1, result)
     return r.make_around(plan, 16)  # the turned land and its bounds beside the field; sums in double and answers for the chunk
 
 
@@ -380,31 +332,27 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
     """Which samples are seen, as Field.viewshed. Observers are looked from one by one, each in its window of max_distance."""
     places = _plans.spots_of(x, y, observer_height, observer_elevation)
     r = _Raster(source, **reading)
-    g = r.geometry
+    g = r.site
     limits = _plans.limits_of(g, target_height, max_distance, min_distance, azimuth, vertical, curvature)
     kind, distance = "needed" if needed else "seen", limits["max_distance"]
     if needed and len(places) > 1:
         raise ValueError(f"needed: that of one observer, not of {len(places)}")
     task, views, whole = r.delayed(_seen), [], _Window(0, 0, g.rows, g.columns)
     for place in places:
-        window = r.reach.around(place[0], place[1], distance) if distance else whole
+        window = r.reach("around", x=place[0], y=place[1], max_distance=distance) if distance else whole
         if window.rows:
-            window = r.reach.padded(window)
+            window = r.reach("grown", window)
             r.check_memory("max_distance", [(window, window)])
             views.append((window, task(r.part(window), g, window, _plans.viewshed(place[None], limits, kind, False), r.threads)))
 
     def near(w):
         return [(v, s) for v, s in views if v.row < w.row + w.rows and w.row < v.row + v.rows
                 and v.column < w.column + w.columns and w.column < v.column + v.columns]
-    if needed:
-        put = r.delayed(_needed)
-        return r.result([[put(w, near(w)) for w in row] for row in r.windows], np.float32, "needed_height",
-                        {"long_name": "height above ground needed to be seen", "units": "m"})
-    add = r.delayed(_sum_seen)
-    nodata_out = 255 if len(places) <= 254 else 65535
-    blocks = [[add(r.part(r.reach.padded(w)), g, w, r.reach.padded(w), nodata_out, near(w)) for w in row] for row in r.windows]
-    dtype = np.uint8 if nodata_out == 255 else np.uint16
-    return r.result(blocks, dtype, "viewshed", {"long_name": "number of observers that see it", "_FillValue": dtype(nodata_out)})
+    nodata_out = np.float32(np.nan) if needed else np.uint8(255) if len(places) <= 254 else np.uint16(65535)
+    name, attrs = _plans.VIEWS[kind]
+    join, padded = r.delayed(_join), [[r.reach("grown", w) for w in row] for row in r.windows]
+    blocks = [[join(None if needed else r.part(p), g, w, p, nodata_out, near(w)) for w, p in zip(*rows)] for rows in zip(r.windows, padded)]
+    return r.result(blocks, nodata_out.dtype, name, attrs if needed else {**attrs, "_FillValue": nodata_out})
 
 
 # ---- results ----------------------------------------------------------------------------------------------------------------
@@ -433,11 +381,11 @@ def _place_of(result, like, shape) -> tuple[Optional[np.ndarray], Optional[str]]
     """Map and coordinate system, from a file or from the result's own coordinates."""
     if like is not None:
         name = os.fspath(like)
-        about = _header(name, 0)
+        about = _cellwalk.read_raster(name, 0)
         if about["shape"] != shape:
             rows, columns = about["shape"]
             raise ValueError(f"like: {name!r} has {rows} x {columns} samples, the result {shape[0]} x {shape[1]}")
-        return (np.array(about["map"]), about["crs"]) if about["placed"] else (None, None)
+        return (map_of_file(about), about["crs"][0]) if about["placed"] else (None, None)
     if not hasattr(result, "dims") or any(name not in result.coords for name in result.dims[-2:]):
         return None, None
     described = describe_dataarray(result[0] if result.ndim == 3 else result)

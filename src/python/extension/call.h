@@ -4,7 +4,33 @@
 #ifndef CELLWALK_PYTHON_CALL_H
 #define CELLWALK_PYTHON_CALL_H
 
-#include "field_object.h"
+#include "extension.h"
+#include "sight.h"
+#include "work.h"
+
+/* _cellwalk.Field: a height field over samples that a Python object holds, or the map of one without them. */
+typedef struct py_field {
+    PyObject_HEAD cw_field *field; /* NULL: there are no samples */
+    Py_buffer samples;             /* borrowed by the field; contiguous float, ny × nx */
+    size_t nx, ny;
+    double map[3][4];               /* samples (column, row, z) to x, y, z */
+    bool north_up;                  /* there is no map: products have the first row in the north, though y is the row */
+    terrain terrain, whole;         /* whole: of a window */
+    map_scale scale;                /* of the whole map, once it is set */
+    bool identity;                  /* the map is */
+    bool on_map;                    /* the map has a way back: terrain and whole are set */
+    _Atomic(sight_bounds *) bounds; /* of the samples, once a call needs them */
+    long users;                     /* queries that run; -1: an update. Guarded by the GIL */
+    long process;                   /* in which users were counted: a fork forgets them */
+} py_field;
+
+/* The highest samples of blocks, for lines over the field. */
+cw_status field_bounds(py_field *f, const sight_bounds **bounds);
+
+/* y of the caller's to that of the terrain, and back. */
+static inline double northward(const py_field *f, double y) {
+    return f->north_up ? f->map[0][0] * (double)(terrain_whole(&f->terrain)->ny - 1) - y : y;
+}
 
 /* What products take: doubles, 0 where the caller names none. */
 /* clang-format off */
@@ -13,8 +39,8 @@
     NUMBER(directions) NUMBER(disc) NUMBER(every) NUMBER(facing) NUMBER(factor) NUMBER(filter) NUMBER(first) \
     NUMBER(frequency) NUMBER(has_azimuths) NUMBER(has_verticals) NUMBER(highest) NUMBER(hillshade) NUMBER(hours) \
     NUMBER(kind) NUMBER(latitude) NUMBER(lean) NUMBER(linke) NUMBER(longitude) NUMBER(lowest) NUMBER(max_distance) \
-    NUMBER(min_distance) NUMBER(more) NUMBER(observer_height) NUMBER(share) NUMBER(sky) NUMBER(start) NUMBER(step) \
-    NUMBER(table) NUMBER(target_height) NUMBER(tilt) NUMBER(turned) NUMBER(within) NUMBER(x) NUMBER(y)
+    NUMBER(metres) NUMBER(min_distance) NUMBER(observer_height) NUMBER(share) NUMBER(sky) NUMBER(start) NUMBER(step) \
+    NUMBER(target_height) NUMBER(tilt) NUMBER(tilted) NUMBER(turned) NUMBER(x) NUMBER(y)
 /* clang-format on */
 typedef struct call_numbers {
 #define MEMBER(name) double name;
@@ -48,8 +74,7 @@ __attribute__((format(printf, 2, 3))) cw_status call_fail(call *c, const char *f
 
 /* By file: rays.c and field_object.c, products.c, views.c, pieces.c. */
 product make_closest, make_occluded, make_heights, make_points, make_coarser, make_update;
-product make_angles, make_distances, make_hours, make_irradiance, make_openness, make_shadow, make_sky, make_tilted_sky,
-    make_visibility;
+product make_horizon, make_hours, make_irradiance, make_openness, make_shadow, make_sky, make_visibility;
 product make_along, make_found, make_lines, make_place_horizons, make_profile, make_sun_days, make_viewshed;
 product make_around, make_beside, make_grown, make_sunward;
 

@@ -12,6 +12,12 @@ bool buffer_holds(const Py_buffer *buffer, size_t bytes, const char *name) {
     return false;
 }
 
+bool buffer_copy(const Py_buffer *buffer, void *to, size_t bytes, const char *name) {
+    if (!buffer_holds(buffer, bytes, name)) return false;
+    memcpy(to, buffer->buf, bytes);
+    return true;
+}
+
 static bool is_identity(double m[3][4]) {
     for (int k = 0; k < 12; k++)
         if (m[k / 4][k % 4] != (k / 4 == k % 4 ? 1 : 0)) return false;
@@ -20,15 +26,8 @@ static bool is_identity(double m[3][4]) {
 
 static cw_status make(py_field *f, work *w) {
     cw_field_desc desc = {.samples = f->samples.buf, .nx = f->nx, .ny = f->ny, .storage = CW_BORROW};
-    memcpy(desc.map, f->site.map, sizeof desc.map);
+    memcpy(desc.map, f->map, sizeof desc.map);
     return cw_field_create(&desc, &w->run, &f->field);
-}
-
-static bool has_infinity(const py_field *f) {
-    const float *z = f->samples.buf;
-    for (size_t k = 0; k < f->nx * f->ny; k++)
-        if (isinf(z[k])) return true;
-    return false;
 }
 
 /* Samples, if there are any, of f->nx columns and f->ny rows. */
@@ -41,63 +40,84 @@ static bool take_samples(py_field *f, PyObject *samples) {
                                   buffer_holds(&f->samples, f->nx * f->ny * sizeof(float), "samples"));
 }
 
-/* Where the samples lie, and those of the raster that they are a window of if that has columns. */
-static void place(py_field *f, const site *raster, size_t columns, size_t rows, size_t column, size_t row) {
-    const float *z = f->samples.buf;
-    f->on_map = site_init(&f->terrain, &f->site, f->field, f->nx, f->ny, z);
-    if (columns == 0) return;
-    f->on_map = f->on_map && site_init(&f->whole, raster, f->field, columns, rows, z);
-    f->terrain.whole = &f->whole;
-    f->terrain.column = column;
-    f->terrain.row = row;
+/* False if the map cannot be inverted. */
+static bool place(const py_field *f, terrain *t, const double map[3][4], terrain_desc d) {
+    /* Without a map, a picture's: the first row is in the north. A coarser field's samples stand more than 1 apart. */
+    const double apart = map[0][0];
+    const double picture[3][4] = {{apart, 0, 0, 0}, {0, -apart, 0, apart * (double)(d.ny - 1)}, {0, 0, map[2][2], 0}};
+    d.field = f->field;
+    d.z = f->samples.buf;
+    d.map = f->north_up ? picture : map;
+    return cw_terrain_init(t, &d);
 }
 
 /* Field(samples or None, nx, ny, map, geographic, north_up, unit, semi_major, inverse_flattening, threads, progress[,
- * (columns, rows, column, row, map) of the raster that the samples are a window of]). Returns None in place of a
- * field whose samples hold an infinity, which borrowed samples must not. */
+ * (columns, rows, column, row, map) of the raster that the samples are a window of]) */
 static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *keywords) {
     PyObject *samples, *progress;
     Py_buffer map = {0}, whole_map = {0};
     Py_ssize_t nx, ny, columns = 0, rows = 0, column = 0, row = 0;
     int geographic, north_up;
     unsigned threads;
-    site g = {0};
+    double whole[3][4];
+    terrain_desc d = {0};
+    work w;
     (void)keywords;
     if (!PyArg_ParseTuple(arguments, "Onny*ppdddIO|(nnnny*):Field", &samples, &nx, &ny, &map, &geographic, &north_up,
-                          &g.unit, &g.semi_major, &g.inverse_flattening, &threads, &progress, &columns, &rows, &column,
+                          &d.unit, &d.semi_major, &d.inverse_flattening, &threads, &progress, &columns, &rows, &column,
                           &row, &whole_map))
         return NULL;
-    g.geographic = geographic != 0;
-    g.north_up = north_up != 0;
-    site raster = g;
-    bool good = site_take_map(&map, g.map) && (columns == 0 || site_take_map(&whole_map, raster.map));
+    py_field *f = (py_field *)PyType_GenericAlloc(type, 0);
+    bool good = f != NULL && buffer_copy(&map, f->map, sizeof f->map, "map") &&
+                (columns == 0 || buffer_copy(&whole_map, whole, sizeof whole, "map"));
     PyBuffer_Release(&map);
     PyBuffer_Release(&whole_map);
-    py_field *f = good ? (py_field *)PyType_GenericAlloc(type, 0) : NULL;
-    if (f == NULL) return NULL;
-    f->site = g;
-    f->nx = (size_t)nx;
-    f->ny = (size_t)ny;
-    f->identity = is_identity(f->site.map);
-    work w;
-    bool infinite = false;
-    good = take_samples(f, samples);
-    if (good && samples != Py_None && (good = work_begin(&w, threads, NULL, progress))) {
-        const cw_status status = make(f, &w);
-        infinite = status == CW_ERROR_SAMPLE && has_infinity(f);
-        good = work_end(&w, infinite ? CW_OK : status, "z");
+    if (good) {
+        d.geographic = geographic != 0;
+        f->north_up = north_up != 0;
+        f->nx = d.nx = (size_t)nx;
+        f->ny = d.ny = (size_t)ny;
+        f->identity = is_identity(f->map);
+        good = take_samples(f, samples);
     }
-    if (good && !infinite) {
-        place(f, &raster, (size_t)columns, (size_t)rows, (size_t)column, (size_t)row);
-        return (PyObject *)f;
+    if (good && samples != Py_None) good = work_begin(&w, threads, NULL, progress) && work_end(&w, make(f, &w), "z");
+    if (!good) {
+        Py_XDECREF((PyObject *)f);
+        return NULL;
     }
-    Py_DECREF((PyObject *)f);
-    return good ? Py_NewRef(Py_None) : NULL;
+    f->on_map = place(f, &f->terrain, (const double(*)[4])f->map, d);
+    if (columns > 0) {
+        d.nx = (size_t)columns;
+        d.ny = (size_t)rows;
+        f->on_map = f->on_map && place(f, &f->whole, (const double(*)[4])whole, d);
+        f->terrain.whole = &f->whole;
+        f->terrain.column = (size_t)column;
+        f->terrain.row = (size_t)row;
+    }
+    return (PyObject *)f;
 }
+
+/* Calls that find none at once make them twice, and the first that is done stays. */
+cw_status field_bounds(py_field *f, const sight_bounds **bounds) {
+    sight_bounds *there = atomic_load(&f->bounds), *made;
+    if (there == NULL) {
+        const cw_status status = cw_sight_bounds_create(&f->terrain, &made);
+        if (status != CW_OK) return status;
+        if (atomic_compare_exchange_strong(&f->bounds, &there, made))
+            there = made;
+        else
+            cw_sight_bounds_destroy(made);
+    }
+    *bounds = there;
+    return CW_OK;
+}
+
+static void drop_bounds(py_field *f) { cw_sight_bounds_destroy(atomic_exchange(&f->bounds, NULL)); }
 
 static void field_dealloc(PyObject *self) {
     py_field *f = (py_field *)self;
     PyTypeObject *type = Py_TYPE(self);
+    drop_bounds(f);
     cw_field_destroy(f->field);
     if (f->samples.obj != NULL) PyBuffer_Release(&f->samples);
     PyObject_Free(self);
@@ -129,6 +149,7 @@ cw_status make_update(call *c) {
     const float *block = call_input(c, 0, sizeof *block, &n);
     float *before = call_output(c, 0, c->at.nx * c->at.ny * sizeof *before);
     if (before == NULL || n < c->at.nx * c->at.ny) return CW_ERROR_ARGUMENT;
+    drop_bounds(c->field);
     return put(c->field, &u, &c->work.run, block, before);
 }
 
@@ -156,20 +177,19 @@ static PyObject *field_scale(PyObject *self, PyObject *arguments) {
     py_field *f = (py_field *)self;
     Py_buffer nodes = {0};
     if (!PyArg_ParseTuple(arguments, "y*:scale", &nodes)) return NULL;
-    const bool good = site_take_scale(&nodes, &f->scale, &f->terrain);
-    f->whole.scale = f->terrain.scale;
+    const bool good = buffer_copy(&nodes, &f->scale, sizeof f->scale, "scale");
+    if (good && !f->terrain.geographic) f->terrain.scale = f->whole.scale = &f->scale;
     PyBuffer_Release(&nodes);
     if (!good) return NULL;
     Py_RETURN_NONE;
 }
 
+/* describe() -> lowest and highest sample, number of holes */
 static PyObject *field_describe(PyObject *self, PyObject *unused) {
     const py_field *f = (const py_field *)self;
     (void)unused;
     const cw_field_info info = cw_field_describe(f->field);
-    return Py_BuildValue("{s:d,s:d,s:n,s:n,s:d}", "low", (double)info.low, "high", (double)info.high, "holes",
-                         (Py_ssize_t)info.holes, "bytes_built", (Py_ssize_t)info.bytes_built, "build_seconds",
-                         cw_field_build_seconds(f->field));
+    return Py_BuildValue("(ddn)", (double)info.low, (double)info.high, (Py_ssize_t)info.holes);
 }
 
 static PyMethodDef methods[] = {

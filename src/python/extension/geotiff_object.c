@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "geotiff_object.h"
-
-#include "raster_object.h"
+#include "extension.h"
 #include "raster_out.h"
-#include "site.h"
 
 #include <string.h>
 #include <unistd.h>
@@ -52,7 +49,8 @@ static PyObject *geotiff_new(PyTypeObject *type, PyObject *arguments, PyObject *
                           &dtype, &p.nodata, &map, &wkt, &compress))
         return NULL;
     py_geotiff *t = (py_geotiff *)PyType_GenericAlloc(type, 0);
-    bool good = t != NULL && take_cell(dtype, &p.cell) && (map.obj == NULL || site_take_map(&map, t->map));
+    bool good =
+        t != NULL && take_cell(dtype, &p.cell) && (map.obj == NULL || buffer_copy(&map, t->map, sizeof t->map, "map"));
     if (good) {
         t->process = getpid();
         t->georef.placed = map.obj != NULL;

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The extension module cellwalk._cellwalk, in Python's limited interface of 3.11: one file serves all later versions, and
  * arrays come and go by the buffer protocol, without NumPy's headers. */
-#include "gdal/module.h"
-#include "field_object.h"
-#include "geotiff_object.h"
-#include "raster_object.h"
+#include "cellwalk_expert.h"
+#include "extension.h"
 #include "reach.h"
 #include "sun.h"
 
@@ -55,63 +53,17 @@ static PyObject *parse_time(PyObject *self, PyObject *arguments) {
     return PyFloat_FromDouble(seconds);
 }
 
-/* describe_crs(wkt) -> (geographic, unit, semi_major, inverse_flattening), or None */
-static PyObject *describe_crs(PyObject *self, PyObject *arguments) {
-    const char *wkt;
-    (void)self;
-    if (!PyArg_ParseTuple(arguments, "s:describe_crs", &wkt)) return NULL;
-    io_georef g = {0};
-    if (!io_georef_from_wkt(&g, wkt)) {
-        io_georef_free(&g);
-        Py_RETURN_NONE;
-    }
-    PyObject *answer =
-        Py_BuildValue("(Nddd)", PyBool_FromLong(g.geographic), g.unit, g.semi_major, g.inverse_flattening);
-    io_georef_free(&g);
-    return answer;
-}
-
-/* lon_lat(wkt, back, x, y) -> x, y: one place */
-static PyObject *lon_lat(PyObject *self, PyObject *arguments) {
-    const char *wkt;
-    int back;
-    double x, y;
-    io_error error = {""};
-    (void)self;
-    if (!PyArg_ParseTuple(arguments, "spdd:lon_lat", &wkt, &back, &x, &y)) return NULL;
-    PyThreadState *state = raster_enter();
-    const io_gdal *gdal = io_gdal_load(&error);
-    const bool good = gdal != NULL && gdal->lon_lat(wkt, back != 0, 1, &x, &y, &error);
-    raster_leave(state);
-    if (!good) {
-        PyErr_SetString(PyExc_ValueError, error.text);
-        return NULL;
-    }
-    return Py_BuildValue("(dd)", x, y);
-}
-
 static PyMethodDef functions[] = {
-    {"kernels", list_kernels, METH_NOARGS, NULL},
-    {"suns", suns, METH_VARARGS, NULL},
-    {"parse_time", parse_time, METH_VARARGS, NULL},
-    {"describe_crs", describe_crs, METH_VARARGS, NULL},
-    {"lon_lat", lon_lat, METH_VARARGS, NULL},
-    {"read_raster", read_raster, METH_VARARGS, NULL},
-    {"find_scale", find_scale, METH_VARARGS, NULL},
-
-    {NULL, NULL, 0, NULL},
+    {"kernels", list_kernels, METH_NOARGS, NULL},   {"suns", suns, METH_VARARGS, NULL},
+    {"parse_time", parse_time, METH_VARARGS, NULL}, {"describe_crs", describe_crs, METH_VARARGS, NULL},
+    {"locate", locate, METH_VARARGS, NULL},         {"read_raster", read_raster, METH_VARARGS, NULL},
+    {"find_scale", find_scale, METH_VARARGS, NULL}, {NULL, NULL, 0, NULL},
 };
 
-/* Where the members of a hit are, for a NumPy dtype. */
-static int add_layout(PyObject *module) {
-    PyObject *layout = Py_BuildValue("{s:n,s:n,s:n,s:n,s:n,s:n,s:n}", "t", (Py_ssize_t)offsetof(cw_hit, t), "u",
-                                     (Py_ssize_t)offsetof(cw_hit, u), "v", (Py_ssize_t)offsetof(cw_hit, v), "i",
-                                     (Py_ssize_t)offsetof(cw_hit, i), "j", (Py_ssize_t)offsetof(cw_hit, j), "triangle",
-                                     (Py_ssize_t)offsetof(cw_hit, triangle), "size", (Py_ssize_t)sizeof(cw_hit));
-    const int status = layout == NULL ? -1 : PyModule_AddObjectRef(module, "HIT_LAYOUT", layout);
-    Py_XDECREF(layout);
-    return status;
-}
+/* cellwalk/_hits.py has them as a NumPy dtype. */
+_Static_assert(sizeof(cw_hit) == 24 && offsetof(cw_hit, i) == 4 && offsetof(cw_hit, triangle) == 12 &&
+                   offsetof(cw_hit, v) == 20,
+               "t, i, j, triangle, u, v without gaps");
 
 static int add_type(PyObject *module, PyType_Spec *spec, const char *name) {
     PyObject *type = PyType_FromModuleAndSpec(module, spec, NULL);
@@ -126,8 +78,8 @@ static int fill(PyObject *module) {
         PyErr_SetString(PyExc_ImportError, "cellwalk does not run in sub-interpreters: use threads or processes");
         return -1;
     }
-    if (add_layout(module) != 0 || add_type(module, &py_field_spec, "Field") != 0 ||
-        add_type(module, &py_raster_spec, "Raster") != 0 || add_type(module, &py_geotiff_spec, "GeoTiff") != 0 ||
+    if (add_type(module, &py_field_spec, "Field") != 0 || add_type(module, &py_raster_spec, "Raster") != 0 ||
+        add_type(module, &py_geotiff_spec, "GeoTiff") != 0 ||
         PyModule_AddIntConstant(module, "BLOCK", REACH_BLOCK) != 0)
         return -1;
     return PyModule_AddStringConstant(module, "version", cw_version());

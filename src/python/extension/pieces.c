@@ -29,13 +29,13 @@ cw_status make_beside(call *c) {
 }
 
 /* With so many rows and columns more, and at least 2 of each. */
-cw_status make_grown(call *c) { return answer(c, cw_reach_grow(&c->field->terrain, c->at, c->n.more)); }
+cw_status make_grown(call *c) { return answer(c, cw_reach_grow(&c->field->terrain, c->at, 0)); }
 
 /* The part that a viewshed from a place of the map examines; no rows if there is none. */
 cw_status make_around(call *c) {
     const py_field *f = c->field;
     double at[2];
-    if (!cw_terrain_find_place(&f->terrain, c->n.x, site_northward(&f->site, &f->terrain, c->n.y), at))
+    if (!cw_terrain_find_place(&f->terrain, c->n.x, northward(f, c->n.y), at))
         return call_fail(c, "x, y: an observer is too far away from the terrain");
     return answer(c, cw_reach_around(&f->terrain, at, c->n.max_distance));
 }

@@ -35,25 +35,20 @@ static cw_horizon horizon_of(const call *c, uint32_t flags) {
                         .flags = flags};
 }
 
-/* Direction by direction: a plane of the first output; azimuths are the second. */
-static cw_status find_all(call *c, bool metres) {
+/* Direction by direction: a plane of the output. */
+cw_status make_horizon(call *c) {
     const cw_horizon h = horizon_of(c, 0);
-    const terrain *t = &c->field->terrain;
     const size_t plane = samples_of(c);
+    const bool metres = c->n.metres != 0;
     float *out = call_output(c, 0, h.count * plane * sizeof *out);
-    double *azimuths = call_output(c, 1, h.count * sizeof *azimuths);
-    if (out == NULL || azimuths == NULL) return CW_ERROR_ARGUMENT;
-    cw_status status = cw_horizon_azimuths(t, &h, azimuths);
+    cw_status status = out ? CW_OK : CW_ERROR_ARGUMENT;
     for (uint32_t k = 0; k < h.count && status == CW_OK; k++, out += plane) {
         if (!work_part(&c->work, (double)k / h.count, 1.0 / h.count)) return CW_OK;
-        status =
-            cw_horizon_angles(t, &c->work.run, &h, k, (cw_area){c->at, 0}, metres ? NULL : out, metres ? out : NULL);
+        status = cw_horizon_angles(&c->field->terrain, &c->work.run, &h, k, (cw_area){c->at, 0}, metres ? NULL : out,
+                                   metres ? out : NULL);
     }
     return status;
 }
-
-cw_status make_angles(call *c) { return find_all(c, false); }
-cw_status make_distances(call *c) { return find_all(c, true); }
 
 /* Into plane number k of the output, times a number. */
 static cw_status sum_all(call *c, const cw_horizon *h, size_t k, float times) {
@@ -66,13 +61,10 @@ static cw_status sum_all(call *c, const cw_horizon *h, size_t k, float times) {
     return status;
 }
 
-static cw_status make_sum(call *c, uint32_t flags) {
-    const cw_horizon h = horizon_of(c, flags);
+cw_status make_sky(call *c) {
+    const cw_horizon h = horizon_of(c, c->n.tilted != 0 ? CW_HORIZON_TILTED : 0);
     return sum_all(c, &h, 0, 1);
 }
-
-cw_status make_sky(call *c) { return make_sum(c, 0); }
-cw_status make_tilted_sky(call *c) { return make_sum(c, CW_HORIZON_TILTED); }
 
 cw_status make_openness(call *c) {
     const cw_horizon h = horizon_of(c, c->n.below != 0 ? CW_HORIZON_BELOW : 0);

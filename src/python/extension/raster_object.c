@@ -1,35 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "raster_object.h"
-
+/* Rasters from files, and what is known of their coordinate systems. */
+#include "extension.h"
 #include "gdal/module.h"
 #include "raster.h"
 #include "scale.h"
-#include "site.h"
+#include "sun_place.h"
 #include "work.h"
 
 #include <string.h>
 
 typedef struct py_raster {
     PyObject_HEAD io_raster raster;
-    Py_ssize_t shape[2], strides[2];
 } py_raster;
 
 static int get_buffer(PyObject *self, Py_buffer *view, int flags) {
-    py_raster *r = (py_raster *)self;
-    static char format[] = "f";
-    view->buf = r->raster.memory;
-    view->len = r->shape[0] * r->shape[1] * (Py_ssize_t)sizeof(float);
-    view->itemsize = sizeof(float);
-    view->readonly = 0;
-    view->format = (flags & PyBUF_FORMAT) ? format : NULL;
-    view->ndim = (flags & PyBUF_ND) ? 2 : 1;
-    view->shape = (flags & PyBUF_ND) ? r->shape : NULL;
-    view->strides = (flags & PyBUF_STRIDES) == PyBUF_STRIDES ? r->strides : NULL;
-    view->suboffsets = NULL;
-    view->internal = NULL;
-    Py_INCREF(self);
-    view->obj = self;
-    return 0;
+    const io_raster *r = &((py_raster *)self)->raster;
+    return PyBuffer_FillInfo(view, self, r->memory, (Py_ssize_t)(r->nx * r->ny * sizeof(float)), 0, flags);
 }
 
 static void dealloc(PyObject *self) {
@@ -81,6 +67,11 @@ static void note_warning(void *context, const char *text) {
 
 static bool tell(void *context, double share) { return work_watch(&((reading *)context)->work, share); }
 
+static PyObject *crs_of(const io_georef *g) {
+    return Py_BuildValue("(zNddd)", g->crs, PyBool_FromLong(g->geographic), g->unit, g->semi_major,
+                         g->inverse_flattening);
+}
+
 static PyObject *describe(io_raster *raster, PyObject *module, PyObject *warnings) {
     PyObject *type = PyObject_GetAttrString(module, "Raster");
     if (type == NULL) return NULL;
@@ -89,28 +80,21 @@ static PyObject *describe(io_raster *raster, PyObject *module, PyObject *warning
     if (r == NULL) return NULL;
     r->raster = *raster;
     *raster = (io_raster){0};
-    r->shape[0] = (Py_ssize_t)r->raster.ny;
-    r->shape[1] = (Py_ssize_t)r->raster.nx;
-    r->strides[0] = r->shape[1] * (Py_ssize_t)sizeof(float);
-    r->strides[1] = sizeof(float);
     const io_georef *g = &r->raster.georef;
-    const double(*m)[4] = (const double(*)[4])r->raster.map;
     PyObject *nodata = g->has_nodata ? PyFloat_FromDouble(g->nodata) : Py_NewRef(Py_None);
-    return Py_BuildValue("{s:N,s:(nn),s:((dddd)(dddd)(dddd)),s:N,s:N,s:d,s:d,s:d,s:z,s:N,s:O}", "samples",
-                         (PyObject *)r, "shape", r->shape[0], r->shape[1], "map", m[0][0], m[0][1], m[0][2], m[0][3],
-                         m[1][0], m[1][1], m[1][2], m[1][3], m[2][0], m[2][1], m[2][2], m[2][3], "placed",
-                         PyBool_FromLong(g->placed), "geographic", PyBool_FromLong(g->geographic), "unit", g->unit,
-                         "semi_major", g->semi_major, "inverse_flattening", g->inverse_flattening, "crs", g->crs,
+    return Py_BuildValue("{s:N,s:(nn),s:y#,s:N,s:N,s:N,s:O}", "samples", (PyObject *)r, "shape",
+                         (Py_ssize_t)r->raster.ny, (Py_ssize_t)r->raster.nx, "map", (const char *)r->raster.map,
+                         (Py_ssize_t)sizeof r->raster.map, "placed", PyBool_FromLong(g->placed), "crs", crs_of(g),
                          "nodata", nodata, "warnings", warnings);
 }
 
 PyObject *read_raster(PyObject *self, PyObject *arguments) {
     const char *path;
     Py_ssize_t column = 0, row = 0, columns = 0, rows = 0;
-    PyObject *window, *nodata, *progress;
+    PyObject *window = Py_None, *nodata = Py_None, *progress = Py_None;
     io_raster_options o = {0};
     double no_data;
-    if (!PyArg_ParseTuple(arguments, "sIOddOO:read_raster", &path, &o.band, &nodata, &o.cellsize, &o.zscale, &window,
+    if (!PyArg_ParseTuple(arguments, "sI|OddOO:read_raster", &path, &o.band, &nodata, &o.cellsize, &o.zscale, &window,
                           &progress) ||
         (window != Py_None && !PyArg_ParseTuple(window, "nnnn:window", &column, &row, &columns, &rows)))
         return NULL;
@@ -156,7 +140,7 @@ PyObject *find_scale(PyObject *self, PyObject *arguments) {
     map_scale scale;
     (void)self;
     if (!PyArg_ParseTuple(arguments, "sy*nns:find_scale", &wkt, &numbers, &rows, &columns, &name)) return NULL;
-    bool good = site_take_map(&numbers, map);
+    bool good = buffer_copy(&numbers, map, sizeof map, "map");
     PyBuffer_Release(&numbers);
     if (!good) return NULL;
     io_georef georef = {0};
@@ -175,4 +159,33 @@ PyObject *find_scale(PyObject *self, PyObject *arguments) {
     PyObject *answer = nodes ? Py_BuildValue("(NO)", nodes, r.warnings) : NULL;
     Py_XDECREF(r.warnings);
     return answer;
+}
+
+PyObject *describe_crs(PyObject *self, PyObject *arguments) {
+    const char *wkt;
+    io_georef g = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "s:describe_crs", &wkt)) return NULL;
+    PyObject *answer = io_georef_from_wkt(&g, wkt) ? crs_of(&g) : Py_NewRef(Py_None);
+    io_georef_free(&g);
+    return answer;
+}
+
+PyObject *locate(PyObject *self, PyObject *arguments) {
+    const char *wkt;
+    double xy[2];
+    io_georef g = {0};
+    io_error error = {""};
+    sun_place p;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "sdd:locate", &wkt, &xy[0], &xy[1])) return NULL;
+    PyThreadState *state = raster_enter();
+    io_georef_from_wkt(&g, wkt);
+    const terrain t = {0};
+    const bool good = sun_place_of(&t, &g, xy, "crs", NULL, &p, &error);
+    raster_leave(state);
+    io_georef_free(&g);
+    if (good) return Py_BuildValue("(ddd)", p.longitude, p.latitude, p.turned);
+    PyErr_SetString(PyExc_ValueError, error.text);
+    return NULL;
 }

@@ -146,62 +146,32 @@ static cw_status trace(call *c, bool any) {
 cw_status make_closest(call *c) { return trace(c, false); }
 cw_status make_occluded(call *c) { return trace(c, true); }
 
-typedef struct looking {
-    const py_field *field;
-    const double *x, *y;
-    double *z;
-    work *work;
-    size_t n;
-    atomic_size_t done;
-    atomic_int status;
-} looking;
-
-static void look_down(void *context, size_t begin, size_t end) {
-    looking *l = context;
-    while (begin < end) {
-        const size_t until = end - begin < BLOCK ? end : begin + BLOCK, count = until - begin;
-        for (; begin < until; begin++) {
-            cw_hit hit;
-            double point[3] = {l->x[begin], l->y[begin], l->field->site.map[2][3]};
-            cw_status status = cw_surface_at_user(l->field->field, NULL, point, 1, &hit);
-            if (status == CW_OK) status = cw_hit_points(l->field->field, NULL, &hit, 1, point);
-            if (status != CW_OK) atomic_store(&l->status, (int)status);
-            l->z[begin] = point[2];
-        }
-        if (!work_watch(l->work, (double)(atomic_fetch_add(&l->done, count) + count) / (double)l->n)) return;
-    }
-}
-
-/* Inputs: x and y of places, double. Output: as many heights. */
+/* Input: points of the map, of which z does not count. Outputs: room for as many hits, and the points on the surface. */
 cw_status make_heights(call *c) {
-    const double(*map)[4] = (const double(*)[4])c->field->site.map;
-    size_t count;
-    looking l = {.field = c->field, .work = &c->work};
-    l.x = call_input(c, 0, sizeof *l.x, &l.n);
-    l.y = call_input(c, 1, sizeof *l.y, &count);
-    l.z = call_output(c, 0, l.n * sizeof *l.z);
-    if (map[0][2] != 0 || map[1][2] != 0)
+    const py_field *f = c->field;
+    size_t n;
+    const double(*places)[3] = call_input(c, 0, sizeof *places, &n);
+    cw_hit *hits = call_output(c, 0, n * sizeof *hits);
+    double(*points)[3] = call_output(c, 1, n * sizeof *points);
+    if (f->map[0][2] != 0 || f->map[1][2] != 0)
         return call_fail(c, "transform: leans the heights, so that no single place is above x and y");
-    if (l.z == NULL || count < l.n) return CW_ERROR_ARGUMENT;
-    cw_pool_run(c->work.run.pool, l.n, PIECE, look_down, &l);
-    return (cw_status)atomic_load(&l.status);
+    if (hits == NULL || points == NULL) return CW_ERROR_ARGUMENT;
+    if (!work_part(&c->work, 0, 0.5)) return CW_ERROR_CANCELLED;
+    const cw_status status = cw_surface_at_user(f->field, &c->work.run, *places, n, hits);
+    if (status != CW_OK || !work_part(&c->work, 0.5, 0.5)) return status;
+    return cw_hit_points(f->field, &c->work.run, hits, n, *points);
 }
 
 /* Input: records as closest makes them. Output: three doubles for each, of the kind. */
 cw_status make_points(call *c) {
-    enum { POINTS, NORMALS, SMOOTH_NORMALS, AT_ONCE = 1 << 18 };
+    enum { POINTS, NORMALS, SMOOTH_NORMALS };
     const cw_field *f = c->field->field;
     const cw_run *run = &c->work.run;
     size_t n;
     const cw_hit *hits = call_input(c, 0, sizeof *hits, &n);
-    double(*out)[3] = call_output(c, 0, n * sizeof *out);
-    cw_status status = out ? CW_OK : CW_ERROR_ARGUMENT;
-    for (size_t k = 0; k < n && status == CW_OK; k += AT_ONCE) {
-        const size_t count = n - k < AT_ONCE ? n - k : AT_ONCE;
-        if (!work_watch(&c->work, (double)k / (double)n)) return CW_ERROR_CANCELLED;
-        status = c->n.kind == POINTS    ? cw_hit_points(f, run, hits + k, count, out[k])
-                 : c->n.kind == NORMALS ? cw_hit_normals(f, run, hits + k, count, out[k])
-                                        : cw_hit_phong_normals(f, run, hits + k, count, out[k]);
-    }
-    return status;
+    double *out = call_output(c, 0, n * 3 * sizeof *out);
+    if (out == NULL) return CW_ERROR_ARGUMENT;
+    return c->n.kind == POINTS    ? cw_hit_points(f, run, hits, n, out)
+           : c->n.kind == NORMALS ? cw_hit_normals(f, run, hits, n, out)
+                                  : cw_hit_phong_normals(f, run, hits, n, out);
 }

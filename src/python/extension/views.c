@@ -14,11 +14,8 @@ typedef struct spot {
     double x, y, z, absolute, weight;
 } spot;
 
-/* y of the caller's to that of the terrain, and back. */
-static double northward(const call *c, double y) { return site_northward(&c->field->site, &c->field->terrain, y); }
-
 static ground_place place_of(const call *c, const spot *s) {
-    return (ground_place){"", s->x, northward(c, s->y), s->z, s->absolute != 0};
+    return (ground_place){"", s->x, northward(c->field, s->y), s->z, s->absolute != 0, s->weight};
 }
 
 /* Field coordinates of a spot that one can look from; else false with an error. name: the argument's. */
@@ -54,139 +51,80 @@ cw_status make_along(call *c) {
     const spot *corners = call_input(c, 0, sizeof *corners, &n);
     spot *out = call_output(c, 0, 0);
     double *count = call_output(c, 1, sizeof *count);
+    if (out == NULL || count == NULL) return CW_ERROR_ARGUMENT;
     ground_place *places = malloc((n + 1) * sizeof *places);
+    if (places == NULL) return CW_ERROR_MEMORY;
+    for (size_t k = 0; k < n; k++) places[k] = place_of(c, &corners[k]);
     const observers_from from = {.places = places, .place_count = n, .every = c->n.every};
-    const size_t room = out ? (size_t)c->out[0].len / sizeof *out : 0;
-    bool good = places != NULL && out != NULL && count != NULL;
-    for (int pass = 0; pass < 2 && good; pass++) { /* weights change along the line as heights do */
-        observers all;
-        io_error error;
-        for (size_t k = 0; k < n; k++) {
-            places[k] = place_of(c, &corners[k]);
-            if (pass == 1) places[k].z = corners[k].weight;
-        }
-        if (!(good = observers_along(&all, &from, &c->field->terrain, &error))) {
-            call_fail(c, "every: %s", error.text);
-            break;
-        }
+    const size_t room = (size_t)c->out[0].len / sizeof *out;
+    observers all;
+    io_error error;
+    if (observers_along(&all, &from, &c->field->terrain, &error)) {
         for (size_t k = 0; k < all.count && k < room; k++) {
             const observer *o = &all.list[k];
-            if (pass == 1)
-                out[k].weight = o->z;
-            else
-                out[k] = (spot){o->x, northward(c, o->y), o->z, o->absolute, 1};
+            out[k] = (spot){o->x, northward(c->field, o->y), o->z, o->absolute, o->weight};
         }
         *count = (double)all.count;
         observers_free(&all);
+    } else {
+        call_fail(c, "every: %s", error.text);
     }
     free(places);
-    return good ? CW_OK : places ? CW_ERROR_ARGUMENT : CW_ERROR_MEMORY;
+    return CW_OK;
 }
 
 /* ---- viewsheds ----------------------------------------------------------------------------------------------------------- */
 
-enum { SEEN, WEIGHT, ANGLE, NEEDED, NEEDED_ABSOLUTE };
+enum { SEEN, WEIGHT, ANGLE, NEEDED };
 
-typedef struct viewing {
-    call *call;
-    sight_bounds *bounds;
-    const uint8_t *within; /* NULL: all samples count */
-    uint16_t *seen;        /* of all observers, or a plane of each; one of these */
-    float *numbers;
-    double *sums;
-    uint16_t *own; /* of one observer, for the table */
-    view_sum *table;
-    size_t samples;
-} viewing;
-
-static cw_status look(viewing *v, const terrain *t, const spot *at, const double eye[3], size_t number) {
-    const call_numbers *n = &v->call->n;
-    const cw_observer from = {
-        .x = at->x,
-        .y = northward(v->call, at->y),
-        .height = eye[2] * terrain_metres_of_height(t),
-        .absolute = 1,
-        .target = n->target_height,
-        .curvature = n->curvature,
-        .nearest = n->min_distance,
-        .farthest = n->max_distance,
-        .azimuths = {n->azimuth, n->azimuth_until},
-        .verticals = {n->lowest, n->highest},
-        .limits = (n->has_azimuths != 0 ? 1u * CW_OBSERVER_AZIMUTHS : 0) +
-                  (n->has_verticals != 0 ? 1u * CW_OBSERVER_VERTICALS : 0),
-    };
-    const size_t plane = n->bands != 0 ? number * v->samples : 0;
-    const bool needed = n->kind == NEEDED || n->kind == NEEDED_ABSOLUTE;
-    if (v->own) memset(v->own, 0, v->samples * sizeof *v->own);
-    const cw_view view = {.seen = v->own    ? v->own
-                                  : v->seen ? v->seen + plane
-                                            : NULL,
-                          .sum = at->weight != 0 ? v->sums : NULL, /* a weight of 0 adds nothing */
+static cw_status look(call *c, const terrain *t, const spot *at, const double eye[3], int kind, void *to) {
+    const call_numbers *n = &c->n;
+    const cw_observer from = {.x = at->x,
+                              .y = northward(c->field, at->y),
+                              .height = eye[2] * terrain_metres_of_height(t),
+                              .absolute = 1,
+                              .target = n->target_height,
+                              .curvature = n->curvature,
+                              .nearest = n->min_distance,
+                              .farthest = n->max_distance,
+                              .azimuths = {n->azimuth, n->azimuth_until},
+                              .verticals = {n->lowest, n->highest},
+                              .limits = (n->has_azimuths != 0 ? 1u * CW_OBSERVER_AZIMUTHS : 0) +
+                                        (n->has_verticals != 0 ? 1u * CW_OBSERVER_VERTICALS : 0)};
+    const cw_view view = {.seen = kind == SEEN ? to : NULL,
+                          .sum = kind == WEIGHT && at->weight != 0 ? to : NULL, /* a weight of 0 adds nothing */
                           .weight = at->weight,
-                          .angle = v->numbers && !needed ? v->numbers + plane : NULL,
-                          .needed = v->numbers && needed ? v->numbers + plane : NULL};
-    return cw_viewshed(t, &v->call->work.run, &from, (cw_area){0}, &view);
+                          .angle = kind == ANGLE ? to : NULL,
+                          .needed = kind == NEEDED ? to : NULL};
+    return cw_viewshed(t, &c->work.run, &from, (cw_area){0}, &view);
 }
 
-static void take_own(viewing *v, const double eye[3], size_t number) {
-    const py_field *f = v->call->field;
-    v->table[number] = view_sum_of(&f->terrain, v->call->at, v->own, v->within, eye);
-    v->table[number].farthest_at[1] = northward(v->call, v->table[number].farthest_at[1]);
-}
-
-static cw_status view(viewing *v, const spot *spots, size_t count) {
-    call *c = v->call;
+/* Inputs: observers, and a byte for each sample that counts in the table, or none. Outputs: of each sample a uint16 that grows by 1 for
+ * each observer that sees it, a double that grows by the observer's weight, or a float; with bands a plane of them for each observer. If
+ * there is a second output, a view_sum of each observer, and the first one is that of the last. */
+cw_status make_viewshed(call *c) {
+    static const size_t sizes[] = {sizeof(uint16_t), sizeof(double), sizeof(float), sizeof(float)};
     terrain t = c->field->terrain; /* with bounds for all observers */
-    cw_status status = cw_sight_bounds_create(&t, &v->bounds);
-    t.bounds = v->bounds;
+    const int kind = c->n.kind < NEEDED ? (int)c->n.kind : NEEDED;
+    const size_t plane = t.nx * t.ny * sizes[kind];
+    size_t count, bytes;
+    const spot *spots = call_input(c, 0, sizeof *spots, &count);
+    const uint8_t *within = call_input(c, 1, 1, &bytes);
+    view_sum *table = c->out_count > 1 ? call_output(c, 1, count * sizeof *table) : NULL;
+    char *to = call_output(c, 0, c->n.bands != 0 ? count * plane : plane);
+    if (to == NULL || (c->out_count > 1 && table == NULL) || (within && bytes < t.nx * t.ny)) return CW_ERROR_ARGUMENT;
+    cw_status status = field_bounds(c->field, &t.bounds);
     for (size_t k = 0; k < count && status == CW_OK; k++) {
         double eye[3];
         if (!find_spot(c, "x, y", &spots[k], eye)) return CW_ERROR_ARGUMENT;
         if (!work_part(&c->work, (double)k / (double)count, 1 / (double)count)) return CW_ERROR_CANCELLED;
-        status = look(v, &t, &spots[k], eye, k);
-        if (status == CW_OK && v->own) take_own(v, eye, k);
+        if (table) memset(to, 0, plane);
+        status = look(c, &t, &spots[k], eye, kind, to);
+        if (c->n.bands != 0) to += plane;
+        if (table == NULL || status != CW_OK) continue;
+        table[k] = view_sum_of(&t, c->at, (const uint16_t *)(void *)to, within, eye);
+        table[k].farthest_at[1] = northward(c->field, table[k].farthest_at[1]);
     }
-    return status;
-}
-
-/* Sums and absolute heights as floats. */
-static void finish(const viewing *v, float *to, size_t planes) {
-    const float *z = v->call->field->terrain.z;
-    const double metres = terrain_metres_of_height(&v->call->field->terrain);
-    for (size_t k = 0; k < v->samples && v->sums; k++) to[k] = isfinite(z[k]) ? (float)v->sums[k] : NAN;
-    for (size_t k = 0; k < v->samples * planes && v->call->n.kind == NEEDED_ABSOLUTE; k++)
-        to[k] = (float)(to[k] + z[k % v->samples] * metres);
-}
-
-/* Inputs: observers, and if `within` is not 0 a byte for each sample. Outputs: a uint16 of each sample, at first 0, or with another kind
- * a float; with bands a plane of them for each observer; with `table` only a view_sum of each observer. */
-cw_status make_viewshed(call *c) {
-    const size_t n = c->field->nx * c->field->ny;
-    const int kind = (int)c->n.kind;
-    const bool table = c->n.table != 0;
-    size_t count, bytes;
-    const spot *spots = call_input(c, 0, sizeof *spots, &count);
-    viewing v = {.call = c, .samples = n};
-    const size_t planes = c->n.bands != 0 ? count : 1;
-    void *out = call_output(c, 0, table ? count * sizeof *v.table : planes * n * (kind == SEEN ? 2 : sizeof(float)));
-    if (c->n.within != 0 && (v.within = call_input(c, 1, 1, &bytes)) != NULL && bytes < n) v.within = NULL;
-    if (out == NULL || (c->n.within != 0 && v.within == NULL)) return CW_ERROR_ARGUMENT;
-    if (table) {
-        v.table = out;
-        v.own = malloc(n * sizeof *v.own);
-    } else if (kind == WEIGHT) {
-        v.sums = calloc(n, sizeof *v.sums);
-    } else if (kind == SEEN) {
-        v.seen = out;
-    } else {
-        v.numbers = out;
-    }
-    const bool room = v.own || v.sums || v.seen || v.numbers;
-    const cw_status status = room ? view(&v, spots, count) : CW_ERROR_MEMORY;
-    if (status == CW_OK && kind != SEEN) finish(&v, out, planes);
-    cw_sight_bounds_destroy(v.bounds);
-    free(v.own);
-    free(v.sums);
     return status;
 }
 
@@ -221,7 +159,7 @@ static bool look_along(const lines *all, size_t k, profile *p) {
     *a = (answer){!l.blocked, l.length, {NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}};
     if (l.blocked) {
         a->block[0] = l.block[0];
-        a->block[1] = northward(c, l.block[1]);
+        a->block[1] = northward(c->field, l.block[1]);
         a->block[2] = l.block_height;
         a->block_distance = l.block_distance;
     }
@@ -259,26 +197,18 @@ cw_status make_lines(call *c) {
 
 /* Along one line: rows of numbers as far as the first output has room, and how many there are in the second. */
 cw_status make_profile(call *c) {
-    typedef struct row {
-        double distance, x, y, ground, line, seen, radius;
-    } row;
     size_t n;
     const spot(*ends)[2] = call_input(c, 0, sizeof *ends, &n);
-    const size_t room = c->out_count > 0 ? (size_t)c->out[0].len / sizeof(row) : 0;
-    row *rows = call_output(c, 0, 0);
+    line_row *rows = call_output(c, 0, 0);
     double *count = call_output(c, 1, sizeof *count);
     line l;
     profile p = {0};
     if (rows == NULL || count == NULL || !check_ends(c, ends, n) || !find_line(c, &l, *ends)) return CW_ERROR_ARGUMENT;
     const cw_status status = cw_profile_make(&p, &l.sight, l.target[0], l.target[1], l.target[2]);
-    const double metres = terrain_metres_of_height(&c->field->terrain);
+    const size_t room = (size_t)c->out[0].len / sizeof *rows;
     for (size_t k = 0; k < p.count && k < room && status == CW_OK; k++) {
-        const profile_point *at = &p.points[k];
-        double xy[2];
-        for (int e = 0; e < 2; e++) xy[e] = l.ends[0][e] + at->share * (l.ends[1][e] - l.ends[0][e]);
-        rows[k] = (row){
-            at->share * l.length, xy[0], northward(c, xy[1]), at->ground * metres, at->line * metres, at->seen, NAN};
-        if (c->n.frequency > 0) rows[k].radius = line_fresnel_radius(&l, c->n.frequency, at->share);
+        rows[k] = line_row_of(&l, c->n.frequency, &p.points[k]);
+        rows[k].y = northward(c->field, rows[k].y);
     }
     *count = (double)p.count;
     cw_profile_free(&p);
@@ -294,9 +224,9 @@ cw_status make_place_horizons(call *c) {
     size_t count;
     const spot *spots = call_input(c, 0, sizeof *spots, &count);
     place_horizon *out = call_output(c, 0, count * directions * sizeof *out);
-    sight_bounds *bounds = NULL;
+    const sight_bounds *bounds;
     if (out == NULL) return CW_ERROR_ARGUMENT;
-    cw_status status = cw_sight_bounds_create(t, &bounds);
+    const cw_status status = field_bounds(c->field, &bounds);
     for (size_t k = 0; k < count && status == CW_OK && work_watch(&c->work, (double)k / (double)count); k++) {
         double eye[3];
         sight s;
@@ -310,10 +240,9 @@ cw_status make_place_horizons(call *c) {
         for (size_t d = 0; d < directions; d++, out++) {
             *out = place_horizon_toward(&s, fmod(c->n.start + 360.0 * (double)d / (double)directions, 360),
                                         c->n.max_distance);
-            out->at[1] = northward(c, out->at[1]);
+            out->at[1] = northward(c->field, out->at[1]);
         }
     }
-    cw_sight_bounds_destroy(bounds);
     return status;
 }
 
@@ -337,16 +266,15 @@ cw_status make_sun_days(call *c) {
                       .max_distance = n->max_distance};
     double eye[3];
     sight s;
-    sight_bounds *bounds;
+    const sight_bounds *bounds;
     if (out == NULL || at == NULL || !find_spot(c, "x, y", at, eye)) return CW_ERROR_ARGUMENT;
     if (n->lean != 0 && !sun_ground_lean(t, eye, &d.tilt, &d.facing)) return CW_ERROR_MEMORY;
-    const cw_status status = cw_sight_bounds_create(t, &bounds);
+    const cw_status status = field_bounds(c->field, &bounds);
     if (status != CW_OK) return status;
     cw_sight_init(&s, t, bounds, eye, n->curvature);
     const double share = weight ? 0 : sun_sky_share(&s, &d);
     if (weight) *out = sun_day_of_list(&s, &d, list, weight, suns < weights ? suns : weights);
     for (size_t k = 0; k < days && !weight && work_watch(&c->work, (double)k / (double)days); k++)
         out[k] = sun_day_find(&s, &d, share, n->first + 86400 * (double)k);
-    cw_sight_bounds_destroy(bounds);
     return CW_OK;
 }
