@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* `cellwalk render`: a picture of a scene, or of a terrain. */
 
-#include "cancel.h"
 #include "clock.h"
 #include "command.h"
 #include "image.h"
@@ -93,7 +92,6 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
                                           .height = c->height,
                                           .crop = c->part,
                                           .phong = c->phong,
-                                          .cancel = cancel_flag(),
                                           .progress = c->quiet ? NULL : tell};
     io_output out;
     io_image image;

@@ -2,7 +2,6 @@
 /* `cellwalk trace`: hits of an array of rays. Rays are read, traced and written piece by piece, so that neither
  * rays nor hits need to fit into memory. */
 
-#include "cancel.h"
 #include "cellwalk_expert.h"
 #include "clock.h"
 #include "command.h"
@@ -19,8 +18,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A piece is long enough that starting the threads costs nothing, and short enough to stop soon after Ctrl-C. */
-enum { PIECE = 1 << 18, PIECE_LEAST = 1 << 12, REPEAT_MOST = 1000000 };
+/* A piece is long enough that starting the threads costs nothing. */
+enum { PIECE = 1 << 18, REPEAT_MOST = 1000000 };
 
 typedef struct request {
     const char *field, *rays, *hits;
@@ -36,8 +35,7 @@ typedef struct trace {
     raster_field field;
     ray_source rays;
     cw_run query;
-    hits_file file; /* not open where no output was asked for */
-    size_t piece;
+    hits_file file;    /* not open where no output was asked for */
     cw_hit *hits;      /* PIECE of them */
     uint8_t *occluded; /* the same, for --occluded */
     uint64_t hit_count;
@@ -68,8 +66,7 @@ static uint64_t count_hits(const trace *t, size_t n) {
 /* All rays once. The first pass counts and writes. */
 static bool pass(trace *t, unsigned number, io_error *error) {
     for (uint64_t done = 0; done < t->rays.count;) {
-        if (atomic_load(cancel_flag())) return io_fail(error, "interrupted");
-        const size_t n = t->rays.count - done < t->piece ? (size_t)(t->rays.count - done) : t->piece;
+        const size_t n = t->rays.count - done < PIECE ? (size_t)(t->rays.count - done) : PIECE;
         const void *rays = ray_source_rows(&t->rays, t->field.field, done, n, error);
         if (rays == NULL) return false;
         double seconds = 0;
@@ -79,7 +76,6 @@ static bool pass(trace *t, unsigned number, io_error *error) {
         if (number == 0 && t->request->hits &&
             !hits_file_write(&t->file, t->field.field, &t->query, t->hits, t->occluded, n, error))
             return false;
-        if (seconds > 1 && t->piece > PIECE_LEAST) t->piece /= 2;
         done += n;
         progress_show("tracing", (number + (double)done / (double)t->rays.count) / t->request->repeat);
     }
@@ -165,7 +161,6 @@ static int run_request(request *r, const cw_run *query, const io_raster_options 
     trace t = {.request = r,
                .raster = *raster,
                .query = *query,
-               .piece = PIECE,
                .rays = {.npy = {.fd = -1}},
                .file = {.any = r->any, .points = r->points, .normals = r->normals}};
     io_error error = {""};

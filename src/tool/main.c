@@ -1,16 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The program cellwalk: a table of subcommands. */
+/* The program cellwalk: a table of subcommands, and signals. */
 
-#include "cancel.h"
 #include "command.h"
 #include "gdal_host.h"
 #include "image.h"
 #include "inputs.h"
+#include "output.h"
+#include "progress.h"
 #include "raster_out.h"
 #include "reference.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 extern const command command_horizon, command_info, command_los, command_render, command_shadow, command_sun,
     command_trace, command_viewshed, command_visibility;
@@ -42,6 +46,27 @@ static const char tasks[] = "By task, for a terrain dem.tif with places X,Y on i
                             "  a picture        cellwalk render dem.tif -o view.png\n"
                             "  hits of rays     cellwalk trace dem.tif lidar.npy --user -o hits.npy\n";
 
+/* No output is left, and a shell script that runs the program also stops. */
+static void on_signal(int number) {
+    const char *text = progress_is_shown() ? "\r\033[Kcellwalk: interrupted\n" : "cellwalk: interrupted\n";
+    io_output_discard_all();
+    const ssize_t told = write(gdal_host_messages(), text, strlen(text));
+    (void)told; /* no other place for a message is left */
+    signal(number, SIG_DFL);
+    raise(number);
+}
+
+static void handle_signals(void) {
+    static const int asked[] = {SIGINT, SIGTERM, SIGHUP};
+    struct sigaction old, action = {.sa_handler = on_signal, .sa_flags = SA_NODEFER}; /* a raise takes effect at once */
+    for (size_t k = 0; k < sizeof asked / sizeof *asked; k++)
+        /* nohup and background jobs of simple shells start programs with these ignored: so they stay. */
+        if (sigaction(asked[k], NULL, &old) == 0 && old.sa_handler != SIG_IGN) sigaction(asked[k], &action, NULL);
+    /* Writing fails with EFBIG or EPIPE instead. */
+    signal(SIGXFSZ, SIG_IGN);
+    signal(SIGPIPE, SIG_IGN);
+}
+
 int main(int argc, char **argv) {
     static const program cellwalk = {
         .name = "cellwalk",
@@ -51,10 +76,8 @@ int main(int argc, char **argv) {
         .ending = tasks,
         .about = print_parts};
     cw_reference_add();
-    cancel_install();
+    handle_signals();
     io_inputs_protect();
     gdal_host_install();
-    const int status = program_main(&cellwalk, argc, argv);
-    if (status != EXIT_SUCCESS) cancel_finish();
-    return status;
+    return program_main(&cellwalk, argc, argv);
 }

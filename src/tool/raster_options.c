@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "raster_options.h"
 
-#include "cancel.h"
 #include "command.h"
 #include "gdal_host.h"
 #include "number.h"
+#include "progress.h"
 #include "scene.h"
 
 #include <math.h>
@@ -42,8 +42,14 @@ void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT
 static void warn(void *context, const char *text) { command_warn(((const raster_options *)context)->name, "%s", text); }
 static void note(void *context, const char *text) { command_note(((const raster_options *)context)->name, "%s", text); }
 
-static bool tell_reading(void *context, double share) { return cancel_tell(context, "reading", share); }
-static bool tell_building(void *context, double share) { return cancel_tell(context, "building", share); }
+static bool tell(void *context, const char *step, double share) {
+    (void)context;
+    if (step) progress_show(step, share);
+    return true;
+}
+
+static bool tell_reading(void *context, double share) { return tell(context, "reading", share); }
+static bool tell_building(void *context, double share) { return tell(context, "building", share); }
 
 bool raster_options_resolve(raster_options *r, const char *name, io_raster_options *options) {
     for (size_t k = 0; k < r->nodata.count; k++) {
@@ -54,7 +60,7 @@ bool raster_options_resolve(raster_options *r, const char *name, io_raster_optio
     }
     if (r->network) gdal_allow_network();
     r->name = name;
-    r->watch = (ground_watch){cancel_tell, warn, note, r};
+    r->watch = (ground_watch){tell, warn, note, r};
     *options = (io_raster_options){
         .band = r->band,
         .nodata = r->nodata_values,

@@ -24,7 +24,7 @@ typedef struct raster_options {
 void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT]);
 
 /* False, after a message, if a value is none: end with EXIT_USAGE. name is the subcommand's. The options and r->watch print
- * warnings and progress, end the work at Ctrl-C, and keep a pointer to r. */
+ * warnings and progress, and keep a pointer to r. */
 bool raster_options_resolve(raster_options *r, const char *name, io_raster_options *options);
 
 /* A field from any file that holds one: a raster, or a scene (.pbrt). As raster_field_open. */

@@ -3,7 +3,7 @@
 
 #include "clock.h"
 
-#include <stdbool.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -11,8 +11,10 @@
 static struct {
     const char *step;   /* NULL: there is no line */
     double start, last; /* seconds on the monotonic clock */
-    bool shown;
+    volatile sig_atomic_t shown;
 } line;
+
+bool progress_is_shown(void) { return line.shown; }
 
 void progress_show(const char *step, double share) {
     const double now = clock_seconds();

@@ -153,7 +153,7 @@ static bool write_all(job *j, const observers *all, io_error *error) {
     for (size_t k = 0; k < all->count; k++) {
         char text[OBSERVER_TEXT];
         const ground_place place = observers_place(all, k, text);
-        if (!product_tell(&j->command->product, (double)k / (double)all->count)) return io_fail(error, "interrupted");
+        product_tell(&j->command->product, (double)k / (double)all->count);
         j->name = observers_name(all, k);
         if (!write_place(j, &place, error)) return false;
     }

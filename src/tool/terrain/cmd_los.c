@@ -62,7 +62,6 @@ static bool look(los_command *c, io_output *profiles, io_error *error) {
     if (good && radio) line_clearance(&l, c->megahertz, &p, &free);
     cw_profile_free(&p);
     if (!good) return false;
-    if (!product_tell(&c->product, 1)) return io_fail(error, "interrupted");
     progress_end();
     (c->json ? print_json : print)(&l, radio ? &free : NULL);
     return true;
@@ -159,7 +158,7 @@ static bool look_at_all(job *j, io_error *error) {
     if (j->profiles && !line_head_profiles(j->command->megahertz, j->profiles, error)) return false;
     for (size_t row = 0; row < rows; row++) {
         if (!look_at_pair(j, row, error)) return false;
-        if (!product_tell(&j->command->product, (double)(row + 1) / (double)rows)) return io_fail(error, "interrupted");
+        product_tell(&j->command->product, (double)(row + 1) / (double)rows);
     }
     return true;
 }

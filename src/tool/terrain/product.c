@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "product.h"
 
-#include "../cancel.h"
 #include "clock.h"
 #include "command.h"
 #include "inputs.h"
@@ -183,8 +182,6 @@ void product_note(product *p, const char *format, ...) {
     if (copy != NULL) p->notes[p->note_count++] = copy;
 }
 
-static bool goes_on(void *context) { return cancel_tell(context, NULL, 0); }
-
 void product_describe(product *p, io_cell cell, size_t bands, const char *what) {
     const ground *g = &p->ground;
     p->what = what;
@@ -212,7 +209,6 @@ void product_describe(product *p, io_cell cell, size_t bands, const char *what) 
         .cog = p->cog,
         .creation = p->creation.values,
         .creation_count = p->creation.count,
-        .go_on = goes_on,
     };
 }
 
@@ -222,19 +218,17 @@ void product_scale(product *p, double scale) {
     p->raster.nodata = INT16_MIN;
 }
 
-bool product_tell(void *context, double share) { return cancel_tell(NULL, ((product *)context)->name, share); }
+void product_tell(const product *p, double share) { progress_show(p->name, share); }
 
 bool product_tell_block(void *context, double share) {
     const product *p = context;
-    return product_tell(context, p->done + share * p->part);
+    product_tell(p, p->done + share * p->part);
+    return true;
 }
 
 bool product_good(cw_status status, io_error *error) {
     if (status == CW_OK) return true;
-    return io_fail(error, "%s",
-                   status == CW_ERROR_CANCELLED  ? "interrupted"
-                   : status == CW_ERROR_ARGUMENT ? cw_last_error()
-                                                 : cw_status_message(status));
+    return io_fail(error, "%s", status == CW_ERROR_ARGUMENT ? cw_last_error() : cw_status_message(status));
 }
 
 cw_run product_query(product *p) {

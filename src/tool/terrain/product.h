@@ -84,9 +84,9 @@ void product_scale(product *p, double scale);
 /* For product_run: makes all blocks and writes them. */
 bool product_write(product *p, io_error *error);
 
-/* Shows progress of a step that lasts, as a watch: context is the product. False after Ctrl-C. */
-bool product_tell(void *context, double share);
-/* The same, of the block that is being filled. */
+/* Shows progress. */
+void product_tell(const product *p, double share);
+/* The same, of the block that is being filled, as a watch: context is the product. True. */
 bool product_tell_block(void *context, double share);
 /* For the end of a fill: false, with the reason, unless the status is CW_OK. */
 bool product_good(cw_status status, io_error *error);

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* As many rows as a GeoTIFF's tiles have, fewer where that would make Ctrl-C wait, or memory is short. */
+/* As many rows as a GeoTIFF's tiles have, fewer where that would hold up progress, or memory is short. */
 static size_t block_rows(const io_raster_product *p, double passes, bool few) {
     enum { LEAST = 32 };
     const size_t tile = io_raster_tile_side(p->ny);
@@ -144,7 +144,7 @@ static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
             if (!made->in_memory && (at < w->from || at >= w->until) && !next_piece(w, at, error)) return false;
             made->done = ((double)band + (double)row / (double)p->ny) / (double)p->bands;
             made->part = (double)count / (double)p->ny / (double)p->bands;
-            if (!product_tell_block(made, 0)) return io_fail(error, "interrupted");
+            product_tell_block(made, 0);
             if (!fill_block(w, band, row, count, error) || (band == 0 && !take_block(w, row, count, error)))
                 return false;
             if (to == NULL) continue;

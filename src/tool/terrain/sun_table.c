@@ -88,7 +88,7 @@ static bool print_days(product *p, const sun_table *a, const sight *s, double sh
         const sun_day d = sun_day_find(s, &a->desc, share, midnight);
         add(&row, &d, midnight);
         add_all(all, &d);
-        if (!product_tell(p, (double)(k + 1) / (double)a->days)) return io_fail(error, "interrupted");
+        product_tell(p, (double)(k + 1) / (double)a->days);
         if (months && k + 1 < a->days && !begins_month(midnight + day)) continue;
         if (!print_row(to, &row, midnight, months, error)) return false;
         row = (sum){0};

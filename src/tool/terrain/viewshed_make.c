@@ -13,7 +13,8 @@ enum { COUNT_SMALL = 254, COUNT_MOST = 65534, TIF_BANDS_MOST = 65535 };
 
 static bool tell(void *context, double share) {
     viewshed_command *c = context;
-    return product_tell(&c->product, ((double)c->observer + share) / (double)c->observers.count);
+    product_tell(&c->product, ((double)c->observer + share) / (double)c->observers.count);
+    return true;
 }
 
 /* ---- samples ------------------------------------------------------------------------------------------------------- */
