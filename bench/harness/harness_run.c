@@ -75,24 +75,24 @@ json_t *run_record(const char *name, uint32_t seed, int cpu) {
     json_t *record = json_object();
     results_set_texts(record, "kind command arguments cellwalk cpu cache",
                       (const char *[]){"run", name, arguments_text, CW_VERSION, model, cache});
-    results_set_count(record, "cpus", cpus);
+    results_set_counts(record, "cpus", &(size_t){cpus});
     results_set_texts(record, "isa compiler build_type flags commit embree",
                       (const char *[]){cw_isa_name(cw_isa_best()), BUILD_INFO_COMPILER, BUILD_INFO_TYPE,
                                        BUILD_INFO_FLAGS, BUILD_INFO_COMMIT, peer_embree.version});
-    if (peer_embree.version) results_set_bool(record, "embree_assertions", peer_embree.has_assertions());
-    results_set_count(record, "seed", seed);
+    if (peer_embree.version)
+        json_object_set_new(record, "embree_assertions", json_boolean(peer_embree.has_assertions()));
+    results_set_counts(record, "seed", &(size_t){seed});
     json_object_set_new(record, "pinned_to_cpu", json_integer(cpu));
-    results_set_number(record, "load", load);
-    results_set_text(record, "date", date);
+    results_set_numbers(record, "load", &load);
+    json_object_set_new(record, "date", json_string(date));
     return record;
 }
 
 void run_record_text(const json_t *record, char *text, size_t size) {
-    const char *threads = results_text(record, "threads"), *embree = results_text(record, "embree");
-    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s%s, %s%s, seed %.0f, load %.2f, %s",
+    const char *embree = results_text(record, "embree");
+    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s%s, one thread, seed %.0f, load %.2f, %s",
              results_text(record, "cpu"), results_text(record, "isa"), results_text(record, "compiler"),
              results_text(record, "build_type"), results_text(record, "commit"), *embree ? embree : "none",
              json_is_true(json_object_get(record, "embree_assertions")) ? " (compiled with assertions)" : "",
-             *threads ? threads : "one", *threads ? " threads" : " thread", results_number(record, "seed"),
-             results_number(record, "load"), results_text(record, "date"));
+             results_number(record, "seed"), results_number(record, "load"), results_text(record, "date"));
 }

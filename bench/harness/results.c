@@ -2,19 +2,17 @@
 #include "harness/results.h"
 
 #include "harness/harness_memory.h"
-#include "harness/statistics.h"
+#include "harness/interleave.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 bool results_write(io_output *out, json_t *line, io_error *error) {
-    bool good = true;
-    if (out->file) {
-        char *text = json_dumps(line, JSON_COMPACT | JSON_PRESERVE_ORDER);
-        if (text == NULL) memory_end();
-        good = io_output_write(out, text, strlen(text), error) && io_output_write(out, "\n", 1, error);
-        free(text);
-    }
+    char *text = out->file ? json_dumps(line, JSON_COMPACT | JSON_PRESERVE_ORDER) : NULL;
+    if (out->file && text == NULL) memory_end();
+    const bool good =
+        text == NULL || (io_output_write(out, text, strlen(text), error) && io_output_write(out, "\n", 1, error));
+    free(text);
     json_decref(line);
     return good;
 }
@@ -32,22 +30,6 @@ bool results_write_all(io_output *out, const json_t *lines, io_error *error) {
     return true;
 }
 
-void results_set_text(json_t *object, const char *key, const char *text) {
-    json_object_set_new(object, key, text ? json_string(text) : json_null());
-}
-
-void results_set_number(json_t *object, const char *key, double value) {
-    json_object_set_new(object, key, json_real(value));
-}
-
-void results_set_count(json_t *object, const char *key, size_t value) {
-    json_object_set_new(object, key, json_integer((json_int_t)value));
-}
-
-void results_set_bool(json_t *object, const char *key, bool value) {
-    json_object_set_new(object, key, json_boolean(value));
-}
-
 /* The next of the names in keys; false if there is none. */
 static bool next_key(const char **keys, char key[64]) {
     const size_t length = strcspn(*keys, " ");
@@ -58,33 +40,34 @@ static bool next_key(const char **keys, char key[64]) {
 
 void results_set_texts(json_t *object, const char *keys, const char *const *texts) {
     char key[64];
-    while (next_key(&keys, key)) results_set_text(object, key, *texts++);
+    for (; next_key(&keys, key); texts++) json_object_set_new(object, key, *texts ? json_string(*texts) : json_null());
 }
 
 void results_set_numbers(json_t *object, const char *keys, const double *values) {
     char key[64];
-    while (next_key(&keys, key)) results_set_number(object, key, *values++);
+    while (next_key(&keys, key)) json_object_set_new(object, key, json_real(*values++));
 }
 
 void results_set_counts(json_t *object, const char *keys, const size_t *values) {
     char key[64];
-    while (next_key(&keys, key)) results_set_count(object, key, *values++);
+    while (next_key(&keys, key)) json_object_set_new(object, key, json_integer((json_int_t)*values++));
 }
 
 void results_set_seconds(json_t *object, const statistics *s) {
-    results_set_count(object, "samples", s->n);
+    results_set_counts(object, "samples", &s->n);
     results_set_numbers(object, "seconds_min seconds_median seconds_low seconds_high",
                         (double[]){s->min, s->median, s->low, s->high});
-    results_set_bool(object, "interval_sure", s->sure);
+    json_object_set_new(object, "interval_sure", json_boolean(s->sure));
 }
 
 json_t *results_agreement(const agreement *a) {
     json_t *object = json_object(), *why = json_object();
-    for (int r = 0; r < AGREE_REASON_COUNT; r++) results_set_count(why, agree_reason_name((agree_reason)r), a->why[r]);
+    for (int r = 0; r < AGREE_REASON_COUNT; r++)
+        results_set_counts(why, agree_reason_name((agree_reason)r), &a->why[r]);
     results_set_counts(
         object, "rays hits_reference hits only_reference only_this far other_triangle same_bits",
         (size_t[]){a->rays, a->hits_a, a->hits_b, a->only_a, a->only_b, a->far, a->other_triangle, a->same_bits});
-    results_set_number(object, "worst_roundings", a->worst);
+    results_set_numbers(object, "worst_roundings", &a->worst);
     json_object_set_new(object, "why", why);
     return object;
 }

@@ -18,18 +18,13 @@ void results_append(json_t *lines, json_t *line);
 /* Writes all lines of the array, to which the references stay the caller's. */
 bool results_write_all(io_output *out, const json_t *lines, io_error *error);
 
-/* Add a member. */
-void results_set_text(json_t *object, const char *key, const char *text);
-void results_set_number(json_t *object, const char *key, double value);
-void results_set_count(json_t *object, const char *key, size_t value);
-void results_set_bool(json_t *object, const char *key, bool value);
-/* Add several, whose names stand in keys with a space between. */
+/* Add members, whose names stand in keys with a space between. */
 void results_set_texts(json_t *object, const char *keys, const char *const *texts);
 void results_set_numbers(json_t *object, const char *keys, const double *values);
 void results_set_counts(json_t *object, const char *keys, const size_t *values);
 
 /* Members samples, seconds_min, _median, _low, _high, and interval_sure. */
-struct statistics; /* statistics.h */
+struct statistics; /* interleave.h */
 void results_set_seconds(json_t *object, const struct statistics *seconds);
 
 /* agree.h as an object. */

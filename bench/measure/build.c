@@ -52,11 +52,10 @@ static bool enter(workload *w, const char *name, io_error *error) {
     builder *b = e->own = memory(1, sizeof *b);
     *b = (builder){.land = w->own, .peer = s.kind < PEER_KINDS ? peer_kinds[s.kind] : NULL};
     b->isa = (cw_isa)w->options->run.isa;
-    b->options = s.options | (s.high ? 0 : PEER_MEDIUM);
+    b->options = s.options | PEER_MEDIUM;
     if (b->peer == NULL && strcmp(s.base, "default") != 0)
-        return io_fail(
-            error, "contender %s: what builds is default, default:threads=N, embree, embree:high, embree:grid, bullet",
-            name);
+        return io_fail(error, "contender %s: what builds is default, default:threads=N, embree, embree:grid, bullet",
+                       name);
     if (s.threads > 1 && cw_pool_create(s.threads, &b->pool) != CW_OK)
         return io_fail(error, "%s: %s", name, cw_last_error());
     if (b->peer) land_has_peer(b->land, b->peer, b->options, e->why);
@@ -72,7 +71,7 @@ static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
     (void)metrics;
     build(b);
     results_set_counts(e->line, "bytes", &b->bytes);
-    results_set_number(e->line, "bytes_a_cell", (double)b->bytes / w->items);
+    results_set_numbers(e->line, "bytes_a_cell", &(double){(double)b->bytes / w->items});
     return !b->failed || io_fail(error, "%s of %s could not be built", e->name, w->name);
 }
 

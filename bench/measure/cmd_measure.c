@@ -59,12 +59,12 @@ static void leave_all(workload *w) {
 static void set_time(workload *w, entrant *e, const entrant *first) {
     const statistics *s = &e->job.seconds;
     const statistics to = interleave_ratio(&e->job, &first->job);
-    results_set_number(e->line, "items", w->items);
+    results_set_numbers(e->line, "items", &w->items);
     results_set_seconds(e->line, s);
     results_set_numbers(e->line, "per_second time_to_first time_to_first_low time_to_first_high",
                         (double[]){w->items / s->median, to.median, to.low, to.high});
-    results_set_bool(e->line, "converged", e->job.converged);
-    results_set_bool(e->line, "by_clock", e->job.by_clock);
+    json_object_set_new(e->line, "converged", json_boolean(e->job.converged));
+    json_object_set_new(e->line, "by_clock", json_boolean(e->job.by_clock));
 }
 
 /* Those that are not left out; the fastest of a group, as of Embree's widths, is marked. */
@@ -82,7 +82,7 @@ static void time_all(workload *w, double seconds) {
     for (entrant *e = w->entrants; e < w->entrants + w->count; e++) {
         if (e->why[0]) continue;
         set_time(w, e, first);
-        results_set_bool(e->line, "best_of_group", e->job.best);
+        json_object_set_new(e->line, "best_of_group", json_boolean(e->job.best));
     }
 }
 
@@ -96,7 +96,7 @@ static bool run_line(const plan_line *line, const measure_options *o, double sha
     for (size_t k = 0; good && k < w.count; k++) {
         entrant *e = &w.entrants[k];
         if (e->why[0])
-            results_set_text(e->line, "left_out", e->why);
+            json_object_set_new(e->line, "left_out", json_string(e->why));
         else
             good = w.kind->judge(&w, e, line->metrics, error);
     }
@@ -107,7 +107,7 @@ static bool run_line(const plan_line *line, const measure_options *o, double sha
     }
     if (good) print_workload(&w);
     for (size_t k = 0; good && k < w.count; k++) {
-        results_set_count(w.entrants[k].line, "line", line->number);
+        results_set_counts(w.entrants[k].line, "line", &line->number);
         results_append(results, json_incref(w.entrants[k].line));
     }
     if (w.kind)
@@ -160,7 +160,7 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
     for (size_t k = 0; k < p.count; k++) timed += (p.lines[k].metrics & METRIC_TIME) != 0;
     bool good = run_options_pin(&o->run, &cpu, error);
     json_t *record = run_record("measure", o->run.seed, cpu);
-    results_set_text(record, "plan", name);
+    json_object_set_new(record, "plan", json_string(name));
     run_record_text(record, text, sizeof text);
     printf("%s\n", text);
     results_append(results, record);
@@ -226,6 +226,17 @@ static int measure(const char *as, const char *name, measure_options *o, const c
 
 /* ---- command lines ---- */
 
+/* clang-format off */
+#define COMMON_OPTIONS(o, usual_seconds, usual_width) \
+    {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program", OPTION_TEXT, \
+     .to = &(o).scenes}, \
+    {"seconds", "S", "seconds for all timing together (" usual_seconds ")", OPTION_REAL, .to = &(o).seconds, .low = 0.01, \
+     .high = 1e6}, \
+    {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (" usual_width ")", OPTION_REAL, \
+     .to = &(o).width, .low = 1e-6, .high = 10}, \
+    RUN_OPTIONS((o).run)
+/* clang-format on */
+
 static const char what[] =
     "Runs a plan: a file, or one that ships (release, speed, first, single, beside, tradeoff, scenes). "
     "Each of its lines is \"FIELD/WORK CONTENDERS METRICS\", with commas in lists and # "
@@ -270,13 +281,7 @@ static int start_measure(int argc, char **argv) {
         {"count", "N", "rays of a pass (65536)", OPTION_COUNT, .to = &o.count, .low = 16, .high = 1 << 24},
         {"pass", "S", "contenders that need longer for a pass are left out, and listed (10)", OPTION_REAL,
          .to = &o.pass, .low = 1e-3, .high = 1e6},
-        {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program",
-         OPTION_TEXT, .to = &o.scenes},
-        {"seconds", "S", "seconds for all timing together (10 a line of the plan)", OPTION_REAL, .to = &o.seconds,
-         .low = 0.01, .high = 1e6},
-        {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (0.04)", OPTION_REAL,
-         .to = &o.width, .low = 1e-6, .high = 10},
-        RUN_OPTIONS(o.run),
+        COMMON_OPTIONS(o, "10 a line of the plan", "0.04"),
     };
     static const char *const names[] = {"PLAN"};
     char *text = help_of_kinds();
@@ -299,25 +304,14 @@ static int start_table(int argc, char **argv) {
         {"out", "FOLDER", "folder for table.md and table.jsonl, made if missing (out/table)", OPTION_TEXT,
          .to = &folder},
         {"quick", NULL, "the smallest scene alone: a first look", OPTION_FLAG, .to = &quick},
-        {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program",
-         OPTION_TEXT, .to = &o.scenes},
-        {"seconds", "S", "seconds for all timing together (120)", OPTION_REAL, .to = &o.seconds, .low = 0.01,
-         .high = 1e6},
-        {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (0.1)", OPTION_REAL,
-         .to = &o.width, .low = 1e-6, .high = 10},
-        RUN_OPTIONS(o.run),
+        COMMON_OPTIONS(o, "120", "0.1"),
     };
-    const options_usage usage = {
-        "table",
-        "[OPTIONS]",
+    static const char purpose[] =
         "Renders the six scenes on one thread with the rays of Embree and of the kernels, in turns, and "
-        "prints their times: the plan \"scenes\" of cellwalk-bench measure.",
-        "  cellwalk-bench table --quick\n",
-        options,
-        sizeof options / sizeof *options,
-        NULL,
-        0,
-        0};
+        "prints their times: the plan \"scenes\" of cellwalk-bench measure.";
+    const options_usage usage = {
+        "table", "[OPTIONS]", purpose, "  cellwalk-bench table --quick\n", options, sizeof options / sizeof *options,
+        NULL,    0,           0};
     const int status = options_parse(&usage, argc, argv, NULL);
     if (status != OPTIONS_GO) return status;
     if (o.seconds <= 0) o.seconds = quick ? 10 : 120;

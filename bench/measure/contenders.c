@@ -35,7 +35,6 @@ static bool take_peer_option(contender_spec *s, const peer_kind *kind, const cha
             s->options |= peer_words[k].option;
             return kind->options & peer_words[k].option;
         }
-    if (strcmp(word, "high") == 0) return (kind->options & PEER_MEDIUM) && (s->high = true);
     return number_after(word, "w", 16, &s->width);
 }
 

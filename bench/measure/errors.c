@@ -64,7 +64,7 @@ bool errors_of_rays(land *l, const contender *of, const cw_ray *rays, size_t n, 
         ulps[both++] = off / ldexp(1, ilogb(fmax(fabs(truth->t), 0x1p-126)) - 23);
     }
     for (int v = 0; v < VERDICTS; v++)
-        if (wrong_keys[v]) results_set_number(line, wrong_keys[v], (double)verdicts[v] * 1e6 / (double)n);
+        if (wrong_keys[v]) results_set_numbers(line, wrong_keys[v], &(double){(double)verdicts[v] * 1e6 / (double)n});
     errors_set_spread(line, "t", shares, both);
     errors_set_spread(line, "ulp", ulps, both);
     free(shares);
@@ -78,7 +78,8 @@ bool errors_of_rays(land *l, const contender *of, const cw_ray *rays, size_t n, 
                     json_t *line, io_error *error) {
     (void)l, (void)of, (void)rays, (void)n, (void)answers, (void)any;
     (void)error;
-    results_set_text(line, "not_judged", "built without the exact oracle, which needs GMP (Debian: libgmp-dev)");
+    json_object_set_new(line, "not_judged",
+                        json_string("built without the exact oracle, which needs GMP (Debian: libgmp-dev)"));
     return true;
 }
 #endif
@@ -91,7 +92,7 @@ void errors_of_choice(const cw_hit *truth, const cw_hit *hits, size_t n, json_t 
         if (truth[k].i >= 0 && hits[k].i >= 0 && truth[k].t > 0)
             shares[both++] = fabs((double)hits[k].t / (double)truth[k].t - 1);
     }
-    results_set_number(line, "differ_per_million", (double)differ * 1e6 / (double)n);
+    results_set_numbers(line, "differ_per_million", &(double){(double)differ * 1e6 / (double)n});
     errors_set_spread(line, "t", shares, both);
     free(shares);
 }

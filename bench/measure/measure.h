@@ -121,7 +121,6 @@ typedef struct contender_spec {
     char base[64];
     size_t kind;
     unsigned options; /* of the peer */
-    bool high;        /* of its build, where the default is what is measured */
     unsigned width, threads, call;
     size_t factor;
     cw_leaf leaf;

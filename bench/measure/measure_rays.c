@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* FIELD/CLASS: the rays of a class on a field. CLASS+BACK starts them BACK times the field's longer side farther behind. */
+/* FIELD/CLASS: the rays of a class on a field. */
 
 #include "clock.h"
 #include "harness/harness_memory.h"
@@ -27,43 +27,28 @@ typedef struct at {
     contender_pass pass;
 } at;
 
-static bool class_of(const char *item, workload_class *c, double *back) {
-    const char *plus = strchr(item, '+');
-    const size_t length = plus ? (size_t)(plus - item) : strlen(item);
-    char *end = NULL;
-    *back = plus ? strtod(plus + 1, &end) : 0;
-    if (plus && (*end != '\0' || !(*back >= 0))) return false;
-    for (int k = 0; workload_class_name((workload_class)k); k++) {
-        const char *name = workload_class_name(*c = (workload_class)k);
-        if (strlen(name) == length && strncmp(name, item, length) == 0) return true;
-    }
-    return false;
+/* WORKLOAD_NAMES: none. */
+static workload_class class_of(const char *item) {
+    int k = 0;
+    while (k < WORKLOAD_NAMES && strcmp(workload_class_name((workload_class)k), item) != 0) k++;
+    return (workload_class)k;
 }
 
 static bool has(const char *field, const char *item) {
-    workload_class c;
-    double back;
-    return strcmp(field, "scenes") != 0 && class_of(item, &c, &back);
+    return strcmp(field, "scenes") != 0 && class_of(item) < WORKLOAD_NAMES;
 }
 
 static bool open_group(workload *w, io_error *error) {
-    workload_class c;
-    double back;
+    const workload_class c = class_of(w->item);
     const measure_options *o = w->options;
     group *g = w->own = memory(1, sizeof *g);
     g->land = land_of(w->field, o, w->why, error);
     if (g->land == NULL) return w->why[0] != '\0';
-    class_of(w->item, &c, &back);
     g->any = workload_class_is_any(c);
     g->coherent = workload_class_is_coherent(c);
     g->rays = memory(o->count, sizeof *g->rays);
     g->n = workload_rays_make(g->land->field, c, o->run.seed, o->count, g->rays);
     if (g->n == 0) return io_fail(error, "%s: no rays", w->name);
-    const workload_field *s = &g->land->samples;
-    const double side = (double)(s->nx > s->ny ? s->nx : s->ny) - 1;
-    for (size_t k = 0; k < g->n; k++)
-        for (int a = 0; a < 3; a++)
-            g->rays[k].org[a] = (float)((double)g->rays[k].org[a] - back * side * (double)g->rays[k].dir[a]);
     if (contender_from_kernel(&g->reference, g->land->field, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT) != CW_OK)
         return io_fail(error, "%s: the reference kernel: %s", w->name, cw_last_error());
     g->expected = answers_make(g->n);
@@ -128,12 +113,13 @@ static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
         return io_fail(error, "%s: errors are judged on fields without holes only", w->name);
     if (metrics & METRIC_INSTRUCTIONS) {
         measure_counted(&a->pass);
-        results_set_count(e->line, "counted", g->n);
+        results_set_counts(e->line, "counted", &g->n);
     } else
         contender_run(&a->pass);
     results_set_counts(e->line, "width threads", (size_t[]){a->c.contender.width, a->c.contender.threads});
     if (a->c.contender.query.expert.kernel)
-        results_set_text(e->line, "kernel", cw_kernel_describe(a->c.contender.query.expert.kernel).name);
+        json_object_set_new(e->line, "kernel",
+                            json_string(cw_kernel_describe(a->c.contender.query.expert.kernel).name));
     if ((metrics & METRIC_AGREE) && a->c.factor == 1) {
         agreement sum = {0};
         if (g->any)

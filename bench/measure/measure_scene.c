@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* scenes/NAME: one of the six scenes, rendered with the rays of each contender. Names end in :flat for
- * flat normals instead of Phong's. Of Embree's widths the one counts that was fastest while answers were compared. */
+/* scenes/NAME: one of the six scenes, rendered with Phong's normals and the rays of each contender. Of Embree's widths the one counts
+ * that was fastest while answers were compared. */
 
 #include "clock.h"
 #include "harness/harness_memory.h"
@@ -25,7 +25,6 @@ typedef struct player {
     stage *on;
     ray_contender by[FIELDS_MAX][WIDTHS_MAX];
     size_t widths, width; /* that there are; the one that counts */
-    bool flat;
     agreement agreement;
     double spent[WIDTHS_MAX]; /* while comparing */
     io_image image;
@@ -108,8 +107,7 @@ static void compare_any(void *context, size_t field, const cw_ray *rays, size_t 
 static bool render(player *p, bool compare, io_image *image, io_error *error) {
     const scene_tracer tracer =
         compare ? (scene_tracer){p, compare_closest, compare_any} : (scene_tracer){p, closest, any};
-    const scene_render_options options = {
-        .tracer = &tracer, .threads = 1, .samples = compare ? 1 : 0, .phong = !p->flat};
+    const scene_render_options options = {.tracer = &tracer, .threads = 1, .samples = compare ? 1 : 0, .phong = true};
     return scene_render(p->on->scene, &options, image, NULL, error);
 }
 
@@ -123,24 +121,14 @@ static void render_timed(void *context) {
 
 /* ---- contenders ---- */
 
-/* Cuts the ending off. */
-static bool is_flat(const char *name, char base[MEASURE_NAME]) {
-    snprintf(base, MEASURE_NAME, "%s", name);
-    char *colon = strrchr(base, ':');
-    if (colon == NULL || strcmp(colon, ":flat") != 0) return false;
-    *colon = '\0';
-    return true;
-}
-
 static bool enter(workload *w, const char *name, io_error *error) {
     stage *s = w->own;
-    char base[MEASURE_NAME];
     entrant *e = measure_enter(w, name, name, error);
     if (e == NULL) return false;
     player *p = e->own = memory(1, sizeof *p);
-    *p = (player){.on = s, .flat = is_flat(name, base)};
+    p->on = s;
     for (size_t f = 0; f < s->field_count && e->why[0] == '\0'; f++)
-        if (!contenders_of(&s->lands[f], base, true, (cw_isa)w->options->run.isa, p->by[f], &p->widths, e->why, error))
+        if (!contenders_of(&s->lands[f], name, true, (cw_isa)w->options->run.isa, p->by[f], &p->widths, e->why, error))
             return false;
     if (p->by[0][0].factor > 1) return io_fail(error, "%s: scenes have no coarser fields", name);
     e->job = (interleave_job){.run = render_timed, .context = p};
@@ -172,7 +160,7 @@ static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
     for (size_t k = 1; k < p->widths; k++)
         if (p->spent[k] < p->spent[p->width]) p->width = k;
     json_object_set_new(e->line, "agreement", results_agreement(&p->agreement));
-    results_set_text(e->line, "by", p->by[0][p->width].contender.name);
+    json_object_set_new(e->line, "by", json_string(p->by[0][p->width].contender.name));
     if (!render(p, false, &p->image, error)) return false;
     if (s->first.rgb == NULL) {
         s->first = p->image;

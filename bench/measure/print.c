@@ -21,20 +21,15 @@ static void print_findings(const json_t *line) {
             printf(results_number(a, "same_bits") == rays ? ", same bits" : ", all agree");
         if (other > 0) printf(", %.0f are WRONG", other);
     }
-    static const char *const keys[] = {
-        "leaks_per_million", "phantoms_per_million", "wrong_per_million", "t_99", "degrees_rms", "share_rms", "rmse",
-        "bytes_a_cell"};
-    static const char *const words[] = {"leaks a million",
-                                        "phantoms a million",
-                                        "wrong a million",
-                                        "of t (99 %)",
-                                        "degrees (RMS)",
-                                        "of the sky (RMS)",
-                                        "RMSE",
-                                        "bytes a cell"};
-    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
-        const json_t *value = json_object_get(line, keys[k]);
-        if (value && (k > 2 || json_number_value(value) > 0)) printf(", %.3g %s", json_number_value(value), words[k]);
+    static const char *const found[][2] = {
+        {"leaks_per_million", "leaks a million"}, {"phantoms_per_million", "phantoms a million"},
+        {"wrong_per_million", "wrong a million"}, {"t_99", "of t (99 %)"},
+        {"degrees_rms", "degrees (RMS)"},         {"share_rms", "of the sky (RMS)"},
+        {"bytes_a_cell", "bytes a cell"}};
+    for (size_t k = 0; k < sizeof found / sizeof *found; k++) {
+        const json_t *value = json_object_get(line, found[k][0]);
+        if (value && (k > 2 || json_number_value(value) > 0))
+            printf(", %.3g %s", json_number_value(value), found[k][1]);
     }
 }
 

@@ -16,9 +16,7 @@ enum { CELL = 10, STRIPS = 2, BORDER = 16, ANGLES = 8, SKY_TRUTH = 256, SKY_DEFA
 
 typedef struct choice {
     land *land;
-    cw_field *field; /* of the land, or coarser */
-    float *z;        /* of coarser land */
-    terrain terrain;
+    terrain terrain; /* the land, or coarser */
     cw_horizon desc;
     bool sky;
     size_t factor;
@@ -70,17 +68,14 @@ static bool prepare(choice *c, land *l, const char *name, bool sky, io_error *er
             error, "contender %s: horizons have default, coarser:FACTOR and distance:CELLS, the sky also directions:N",
             name);
     if (strncmp(name, "distance:", 9) == 0) c->desc.max_distance = (double)number * CELL;
-    c->field = land_coarser(l, c->factor, error);
-    if (c->field == NULL) return false;
-    const cw_field_info info = cw_field_describe(c->field);
-    if (c->factor > 1) {
-        c->z = memory(info.nx * info.ny, sizeof *c->z);
-        for (size_t j = 0; j < info.ny; j++)
-            memcpy(c->z + j * info.nx, cw_field_row(c->field, j), info.nx * sizeof *c->z);
-    }
+    cw_field *field = land_coarser(l, c->factor, error);
+    if (field == NULL) return false;
+    const cw_field_info info = cw_field_describe(field);
     const double step = (double)(CELL * c->factor), map[3][4] = {{step, 0, 0, 0}, {0, step, 0, 0}, {0, 0, CELL, 0}};
+    const float *z = cw_field_row(field, 0);
+    const size_t stride = (size_t)(cw_field_row(field, 1) - z);
     const terrain_desc desc = {
-        .field = c->field, .nx = info.nx, .ny = info.ny, .z = c->z ? c->z : l->samples.z, .map = map, .unit = 1};
+        .field = field, .nx = info.nx, .ny = info.ny, .stride = stride, .z = z, .map = map, .unit = 1};
     cw_terrain_init(&c->terrain, &desc);
     c->out = memory(info.nx * info.ny * (sky ? 1 : ANGLES), sizeof *c->out);
     return true;
@@ -111,11 +106,6 @@ static void compare(const choice *c, const choice *truth, json_t *line) {
                         errors[count++] = fabs(value_at(c, layer, i, j) - value_at(truth, layer, i, j));
     errors_set_spread(line, c->sky ? "share" : "degrees", errors, count);
     free(errors);
-}
-
-static void release(choice *c) {
-    free(c->z);
-    free(c->out);
 }
 
 /* ---- the kinds ---- */
@@ -151,14 +141,13 @@ static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
 }
 
 static void leave(entrant *e) {
-    release(e->own);
+    free(((choice *)e->own)->out);
     free(e->own);
 }
 
 static void close_choices(workload *w) {
-    choices *all = w->own;
-    release(&all->truth);
-    free(all);
+    free(((choices *)w->own)->truth.out);
+    free(w->own);
 }
 
 const workload_kind measure_horizon = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "peers/contender.h"
+#include "peers/peer.h"
 
 #include <stdio.h>
 
@@ -44,3 +44,12 @@ void contender_run(void *pass) {
     else
         p->of->closest(p->of, p->rays, p->n, p->out.hits);
 }
+
+const peer_kind *const peer_kinds[PEER_KINDS] = {&peer_embree, &peer_bullet};
+
+#if !CELLWALK_EMBREE
+const peer_kind peer_embree = {.name = "embree", .package = "libembree-dev", .options = EMBREE_OPTIONS};
+#endif
+#if !CELLWALK_BULLET
+const peer_kind peer_bullet = {.name = "bullet", .package = "libbullet-dev", .options = BULLET_OPTIONS};
+#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Medians, intervals and ratios of rounds against samples worked out by hand. */
 #include "harness/interleave.h"
-#include "harness/statistics.h"
 
 #include "check.h"
 

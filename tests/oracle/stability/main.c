@@ -107,7 +107,7 @@ static bool write_lines(io_output *out, const stability *s, const batch_range *r
     json_t *run = run_record("stability", 0, -1);
     results_set_counts(run, "part parts first end batches sample",
                        (size_t[]){r->part, r->parts, r->first, r->end, s->batches, s->sample});
-    results_set_number(run, "seconds", seconds);
+    results_set_numbers(run, "seconds", &seconds);
     if (!results_write(out, run, error)) return false;
     for (size_t f = 0; f < AIMED_FIELDS; f++) {
         json_t *line = json_object();
