@@ -96,7 +96,7 @@ bool ground_open(ground *g, io_error *error) {
     g->reading.progress = tell_reading;
     g->reading.context = g;
     io_raster_options o = g->reading;
-    o.no_samples = io_raster_has_windows(g->path);
+    o.no_samples = true;
     if (!(g->coarser.factor > 0 ? read_coarser(g, error) : io_raster_read(g->path, &o, r, error))) return false;
     if (r->nx < 2 || r->ny < 2)
         return io_fail(error, "%s: %zu x %zu samples; a terrain has at least 2 x 2", g->path, r->nx, r->ny);

@@ -96,7 +96,7 @@ typedef struct survey {
     double read_seconds; /* from the file's name to the field, without building */
 } survey;
 
-/* Size, map and place alone of a raster of many samples, if its file has windows. */
+/* Size, map and place alone of a raster of many samples. */
 static bool look_at_header(const char *path, const io_raster_options *options, survey *s, io_error *error) {
     const size_t many = (size_t)1 << 26;
     io_raster_options o = *options;
@@ -105,7 +105,7 @@ static bool look_at_header(const char *path, const io_raster_options *options, s
     o.progress = NULL;
     o.warn = NULL; /* until it is known that samples are not read, whose reading warns of the header too */
     const char *ending = strrchr(path, '.');
-    if (!io_raster_has_windows(path) || (ending && strcasecmp(ending, ".pbrt") == 0)) return true; /* a scene */
+    if (ending && strcasecmp(ending, ".pbrt") == 0) return true; /* a scene */
     if (!io_raster_read(path, &o, r, error)) return false;
     s->header = r->nx > many / r->ny;
     s->info = (cw_field_info){.nx = r->nx, .ny = r->ny};

@@ -33,9 +33,9 @@ bool raster_options_open(const raster_options *r, const char *path, const io_ras
 
 #define FIELD_FILE_HELP                                                                                                \
     "FIELD is a height field: a NumPy array (.npy: two-dimensional, float32,\n"                                        \
-    "float64, int16 or uint16), an ESRI ASCII grid (.asc), the only heightfield of a\n"                                \
-    "scene (.pbrt), or any other raster that GDAL reads (GeoTIFF, .hgt, VRT, PGM,\n"                                   \
-    "...). Sample [j, i] stands at x = i, y = j of field space;\n"                                                     \
+    "float64, int16 or uint16), the only heightfield of a scene (.pbrt), or any other\n"                               \
+    "raster that GDAL reads (GeoTIFF, ASCII grid, .hgt, VRT, PGM, ...).\n"                                             \
+    "Sample [j, i] stands at x = i, y = j of field space;\n"                                                           \
     "NaN, infinity and missing data are holes.\n"
 
 #endif

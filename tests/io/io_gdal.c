@@ -114,7 +114,7 @@ static void without_the_module(void **state) {
     setenv("CELLWALK_MODULES", "/nonexistent", 1);
     make(&(source){.name = "a.tif"});
     check_refused("a.tif", NULL, "libgdal-dev");
-    check_refused("a.tif", NULL, "known endings are .npy");
+    check_refused("a.tif", NULL, "only .npy is read without GDAL");
     io_error error;
     assert_false(io_raster_can_write("out.tif", 1, &error));
     check(strstr(error.text, ".npy and .png do without") != NULL, "%s", error.text);
@@ -187,6 +187,34 @@ static void values_become_heights(void **state) {
     r = read_well("masked.tif", NULL);
     for (size_t k = 0; k < N; k++) assert_true(isnan(r.z[k]) == (k % NX == 2));
     io_raster_free(&r);
+}
+
+/* Pixels of 10 by 10 with the lower left corner at (100, 200): the first sample, of the northern row, is a pixel's centre. GDAL is
+ * told to expect fractions behind however many whole numbers. */
+static void ascii_grids(void **state) {
+    (void)state;
+    enum { SIDE = 300 };
+    static const double map[3][4] = {{10, 0, 0, 105}, {0, -10, 0, 195 + 10.0 * SIDE}, {0, 0, 1, 0}};
+    static const char *const heads[] = {"xllcorner 100\nyllcorner 200\ncellsize 10",
+                                        "XLLCENTER 105\nYLLCENTER 205\nCELLSIZE 10",
+                                        "xllcorner 100\nyllcorner 200\ndx 10\ndy 10"};
+    char *text = calloc(1, 4 * SIDE * SIDE + 200);
+    for (size_t k = 0; k < 3; k++) {
+        int used = sprintf(text, "ncols %d\nnrows %d\n%s\nNODATA_value -9999\n-9999 ", SIDE, SIDE, heads[k]);
+        for (int s = 1; s < SIDE * SIDE - 1; s++) used += sprintf(text + used, "%d ", s % 9 + 1);
+        used += sprintf(text + used, "1.25e1\n");
+        scratch_write("a.asc", text, (size_t)used);
+        io_raster r = read_well("a.asc", NULL);
+        check_map(&r, map);
+        assert_true(isnan(r.z[0]) && r.z[1] == 2 && r.z[SIDE * SIDE - 1] == 12.5f);
+        io_raster_free(&r);
+        sprintf(text + used - 7, "1e99\n");
+        scratch_write("a.asc", text, (size_t)used - 2);
+        check_refused("a.asc", NULL, "beyond the range of float");
+        scratch_write("a.asc", text, (size_t)used / 2);
+        check_refused("a.asc", NULL, "cannot read");
+    }
+    free(text);
 }
 
 static void bands_are_chosen(void **state) {
@@ -566,6 +594,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(without_the_module, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(samples_stand_at_pixel_centres, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(values_become_heights, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(ascii_grids, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bands_are_chosen, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(units_are_known, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(large_files_come_in_pieces, scratch_enter, scratch_leave),

@@ -63,7 +63,7 @@ class Build:
         def limit():
             resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS))
         folder = self.folder / "tests"
-        environment = dict(os.environ, CELLWALK_TEST_DIVIDE=str(divide))
+        environment = dict(os.environ, CELLWALK_TEST_DIVIDE=str(divide), CELLWALK_MODULES=str(self.folder / "src/tool"))
         return run([folder / f"test_{test}"], cwd=folder, env=environment, preexec_fn=limit).returncode != 0
 
     def plant(self, fault, divide):

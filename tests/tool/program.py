@@ -262,6 +262,7 @@ def rays(name, origins, direction=(0, 0, -1), tmin=0, tmax=1e9, dtype="<f4"):
 
 
 def asc(name, z, x=0, y=0, cell=10):
+    needs("GDAL")
     z = np.where(np.isnan(z), -9999, z)
     rows = "\n".join(" ".join(f"{v:.9g}" for v in row) for row in z)
     write(name, f"ncols {z.shape[1]}\nnrows {z.shape[0]}\nxllcorner {x}\nyllcorner {y}\ncellsize {cell}\nnodata_value -9999\n{rows}\n")

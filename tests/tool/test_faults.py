@@ -26,7 +26,6 @@ def inputs(folder):
     np.save("field.npy", z)
     np.save("wide.npy", z.astype("<f8"))
     rays("rays.npy", [(0.1 * k, 1.5, 9) for k in range(40)])
-    write("grid.asc", "ncols 3\nnrows 2\ncellsize 1\n1 2 3\n4 5 6\n")
     write("nothing.pbrt", 'Camera "perspective"\nWorldBegin\nWorldEnd\n')
     assert run("render", "nothing.pbrt", "--size", "2x2", "-o", "sand.exr").status == 0
     write("scene.pbrt", SCENE)
@@ -53,14 +52,13 @@ PNG, ONE = ("-o", "out.png"), ("--threads", 1)
 @pytest.mark.parametrize("words", [
     ("trace", "field.npy", "rays.npy", "-o", "hits.npy", "--threads", 3),
     ("trace", "wide.npy", "rays.npy", "-o", "hits.npy", "--occluded", "--kernel", "pyramid1", "--json"),
-    ("trace", "grid.asc", "rays.npy", "-o", "hits.npy"),
-    ("info",), ("info", "grid.asc", "--kernel", "grid3d"), ("info", "sea.pbrt", "--json"),
-    ("shadow", "grid.asc", "--sun", "90,10", *ONE, *PNG),  # a picture and its world file come together, or neither comes
+    ("info",), ("info", "field.npy", "--kernel", "grid3d"), ("info", "sea.pbrt", "--json"),
+    ("shadow", *LAND, "--sun", "90,10", *ONE, *PNG),  # a picture and its world file come together, or neither comes
     ("viewshed", *LAND, "--observers", "places.csv", "--table", "table.csv", *ONE, "-o", "out.npy"),
     ("visibility", *LAND, "--longest", "--directions", 5, *ONE, "-o", "out.npy"), ("horizon", *LAND, "--places", "places.csv", "--directions", 3, "-o", "out.csv"),
     ("sun", *LAND, "--lon-lat", "9,47", "--date", "2024-06-21", "--step", "6h", "--at", "20,20", "--tilt", "ground", "-o", "out.csv"),
     ("los", *LAND, "--pairs", "pairs.csv", "--frequency", 900, "--profile", "profile.csv", "-o", "out.csv"),
-    ("render", "grid.asc", "--size", "8x8", "--sky", "--haze", 9, "--water", 4, *ONE, "-o", "out.exr"),
+    ("render", *LAND, "--size", "8x8", "--sky", "--haze", 9, "--water", 4, *ONE, "-o", "out.exr"),
     ("render", "scene.pbrt", "-o", "out.exr", "--threads", 3), ("render", "scene.pbrt", "-o", "out.exr", *ONE),
     ("render", "scene.pbrt", *PNG)], ids=lambda words: " ".join(map(str, words)))
 def test_every_fault(words):

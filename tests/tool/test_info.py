@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from program import asc, kernels, library, refused, run, well, write
+from program import asc, kernels, library, needs, refused, run, well, write
 
 INF = np.inf
 
@@ -55,6 +55,7 @@ def test_fields_are_described():
 
 def test_places_come_first():
     """What people ask of a terrain comes first, and kernels only where no file is asked about."""
+    needs("GDAL")
     write("a.asc", "ncols 3\nnrows 2\nxllcorner 100\nyllcorner 20\ncellsize 2\nNODATA_value -9\n1 2 3 4 -9 6\n")
     write("a.prj", 'PROJCS["Somewhere",GEOGCS["g",DATUM["d",SPHEROID["s",6378137,298.257223563]],PRIMEM["Greenwich",0],'
           'UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],UNIT["foot",0.3048]]')

@@ -29,7 +29,7 @@ enum { IO_UNIT_NAME = 40 };
 void io_unit_name(double metres, char *text);
 
 /* Fills in crs, geographic, unit and ellipsoid from well-known text, of which it reads only these parts. For the
- * small .prj file beside an ASCII grid; with GDAL, GDAL reads the text. False if it is not well-known text. */
+ * Python module, which gets the text from others; with files GDAL reads it. False if it is not well-known text. */
 bool io_georef_from_wkt(io_georef *georef, const char *wkt);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of raster formats, and the steps after reading that all formats share. README.md says why ASCII grids have a
- * reader here, and why GDAL is a module. */
+/* Which reader a raster has, and the steps after reading that both share. */
 
 #include "raster.h"
 
@@ -11,16 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-
-static const io_raster_format *const formats[] = {&io_raster_npy, &io_raster_asc};
-enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
-
-static const io_raster_format *format_of(const char *path) {
-    const char *ending = strrchr(path, '.');
-    for (size_t k = 0; ending != NULL && k < FORMAT_COUNT; k++)
-        if (strcasecmp(ending, formats[k]->ending) == 0) return formats[k];
-    return &io_raster_gdal;
-}
 
 static void warn(const io_raster_options *options, const char *format, ...) {
     if (options->warn == NULL) return;
@@ -139,22 +128,6 @@ static void set_map(const io_raster_options *o, double cellsize, io_raster *rast
     io_raster_shift(raster, o->window.i, o->window.j);
 }
 
-/* For ASCII grids, which are read as a whole. */
-static bool crop(const char *path, const io_raster_options *o, io_raster *raster, io_error *error) {
-    io_raster part;
-    if (!io_raster_check_window(o, path, raster->nx, raster->ny, error)) return false;
-    if (!io_raster_allocate(path, o->window.nx, o->window.ny, &part, error)) return false;
-    for (size_t y = 0; y < part.ny; y++)
-        memcpy(part.memory + y * part.nx, raster->z + (o->window.j + y) * raster->nx + o->window.i,
-               part.nx * sizeof *part.z);
-    large_release(raster->memory);
-    raster->z = raster->memory = part.memory;
-    raster->nx = part.nx;
-    raster->ny = part.ny;
-    io_raster_shift(raster, o->window.i, o->window.j);
-    return true;
-}
-
 static bool finish(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     io_georef *g = &raster->georef;
     take_nodata_out(options, raster);
@@ -182,25 +155,14 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
     return true;
 }
 
-bool io_raster_has_windows(const char *path) { return format_of(path) != &io_raster_asc; }
-
-void io_raster_known(char *text, size_t size) {
-    size_t used = 0;
-    for (size_t k = 0; k < FORMAT_COUNT && used < size; k++)
-        used += (size_t)snprintf(text + used, size - used, "%s%s (%s)", k ? ", " : "", formats[k]->ending,
-                                 formats[k]->name);
-}
-
 bool io_raster_read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     static const io_raster_options nothing = {0};
     *raster = (io_raster){0};
     if (options == NULL) options = &nothing;
-    const io_raster_format *format = format_of(path);
-    if (format != &io_raster_gdal && options->band > 1)
-        return io_fail(error, "%s: has one band, not %u", path, options->band);
-    if (!format->read(path, options, raster, error)) return false;
-    const bool whole = options->window.nx == 0 || io_raster_has_windows(path);
-    if ((whole || crop(path, options, raster, error)) && finish(path, options, raster, error)) return true;
+    const char *ending = strrchr(path, '.');
+    const bool npy = ending != NULL && strcasecmp(ending, ".npy") == 0;
+    if (!(npy ? io_raster_read_npy : io_raster_read_gdal)(path, options, raster, error)) return false;
+    if (finish(path, options, raster, error)) return true;
     io_raster_free(raster);
     return false;
 }

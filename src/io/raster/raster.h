@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Height rasters from files, behind one interface: a format is one file that fills in one io_raster_format. */
+/* Height rasters from files. */
 #ifndef CELLWALK_IO_RASTER_H
 #define CELLWALK_IO_RASTER_H
 
@@ -34,7 +34,7 @@ typedef struct io_raster_options {
     struct {
         size_t i, j, nx, ny;
     } window;        /* only these samples, from (i, j) on; nx = 0: all. An error if the raster lacks some of them */
-    bool no_samples; /* size, map and georef alone: z stays NULL, except for formats without windows */
+    bool no_samples; /* size, map and georef alone: z stays NULL */
     /* NULL, or called with a warning: a sentence without a full stop that names the file. */
     void (*warn)(void *context, const char *text);
     /* NULL, or called now and then with the share that is read. False ends the reading with the error "interrupted". */
@@ -42,24 +42,9 @@ typedef struct io_raster_options {
     void *context;
 } io_raster_options;
 
-typedef struct io_raster_format {
-    const char *name;   /* "ESRI ASCII grid" */
-    const char *ending; /* ".asc" */
-    /* On failure the raster needs no freeing. Leaves to the caller: no-data by the options, cell size, unit of heights,
-     * and, for ASCII grids, the window. */
-    bool (*read)(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
-} io_raster_format;
-
-extern const io_raster_format io_raster_npy;
-extern const io_raster_format io_raster_asc;
-extern const io_raster_format io_raster_gdal; /* all other endings */
-
-/* Reads any known format, chosen by the file name's ending. options may be NULL. */
+/* Reads a NumPy array (.npy), or what GDAL reads. options may be NULL. */
 bool io_raster_read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 void io_raster_free(io_raster *raster);
-
-/* Whether windows of the file, and its size and map, are read without reading the rest. */
-bool io_raster_has_windows(const char *path);
 
 /* A program that GDAL shares its process with no one else in. */
 typedef struct io_gdal_host {
@@ -73,13 +58,15 @@ typedef struct io_gdal_host {
 /* Before the first raster is read or written, by the program. Without it, as in Python, GDAL keeps its settings. */
 void io_raster_host(const io_gdal_host *host);
 
-/* For messages: the endings that are read without GDAL. */
-void io_raster_known(char *text, size_t size);
+/* The readers. On failure the raster needs no freeing. They leave to the caller: no-data by the options, cell size and unit of
+ * heights. */
+bool io_raster_read_npy(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
+bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 
-/* For the formats: memory for nx × ny samples and the identity map. */
+/* For the readers: memory for nx × ny samples and the identity map. */
 bool io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error);
 
-/* For the formats: fails unless the options' window, if there is one, is part of nx × ny samples. */
+/* For the readers: fails unless the options' window, if there is one, is part of nx × ny samples. */
 static inline bool io_raster_check_window(const io_raster_options *o, const char *path, size_t nx, size_t ny,
                                           io_error *error) {
     if (o->window.nx == 0 ||
@@ -89,12 +76,12 @@ static inline bool io_raster_check_window(const io_raster_options *o, const char
                    path, o->window.nx, o->window.ny, o->window.i, o->window.j, nx, ny);
 }
 
-/* For the formats: makes the map begin at sample (i, j). */
+/* For the readers: makes the map begin at sample (i, j). */
 static inline void io_raster_shift(io_raster *raster, size_t i, size_t j) {
     for (int k = 0; k < 2; k++) raster->map[k][3] += raster->map[k][0] * (double)i + raster->map[k][1] * (double)j;
 }
 
-/* For the formats: tells the options' progress; false, with the error, if the reading is to end. */
+/* For the readers: tells the options' progress; false, with the error, if the reading is to end. */
 bool io_raster_progress(const io_raster_options *options, const char *path, double share, io_error *error);
 
 #endif

@@ -110,15 +110,13 @@ static bool read_rows(const io_gdal *gdal, io_gdal_source *source, const char *p
     return true;
 }
 
-static bool read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
+bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     io_error reason;
     const io_gdal *gdal = io_gdal_load(&reason);
-    if (gdal == NULL) {
-        char known[200];
-        io_raster_known(known, sizeof known);
-        return io_fail(error, "%s: known endings are %s; GeoTIFF, PGM and all other rasters need GDAL: %s", path, known,
-                       reason.text);
-    }
+    if (gdal == NULL)
+        return io_fail(error,
+                       "%s: only .npy is read without GDAL; GeoTIFF, ASCII grids and all other rasters need it: %s",
+                       path, reason.text);
     io_raster about = {.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     size_t at_once = 1;
     io_gdal_source *source = gdal->open(path, options, &about, &at_once, error);
@@ -139,5 +137,3 @@ static bool read_gdal(const char *path, const io_raster_options *options, io_ras
     if (!good) io_raster_free(raster);
     return good;
 }
-
-const io_raster_format io_raster_gdal = {"GDAL", "", read_gdal};

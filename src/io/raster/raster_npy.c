@@ -74,13 +74,12 @@ static bool read_part(io_npy *npy, const io_raster_options *o, io_raster *raster
     return o->no_samples || read_samples(npy, o, o->window.i, o->window.j, raster, error);
 }
 
-static bool read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
+bool io_raster_read_npy(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     io_npy npy;
+    if (options->band > 1) return io_fail(error, "%s: has one band, not %u", path, options->band);
     if (!io_npy_open(&npy, path, error)) return false;
     const bool good = check(&npy, error) && read_part(&npy, options, raster, error);
     io_npy_close(&npy);
     if (!good) io_raster_free(raster);
     return good;
 }
-
-const io_raster_format io_raster_npy = {"NumPy array", ".npy", read};

@@ -341,7 +341,7 @@ class Field(Products):
 
 def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None = None, nodata: float | None = None,
          cellsize: float | None = None, zscale: float | None = None, crs: Any = None, threads: int = 0, progress=None) -> Field:
-    """A field from a raster file: GeoTIFF and all else that GDAL reads, .npy, .asc.
+    """A field from a raster file: GeoTIFF and all else that GDAL reads, or .npy.
 
     window     (column, row, columns, rows) of samples to read, or a rasterio Window; default: all
     band       counts from 1; default: the first

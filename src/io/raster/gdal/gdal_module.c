@@ -47,6 +47,7 @@ static const struct {
 } settings[] = {
     {"GDAL_PAM_ENABLED", "NO"},       /* no .aux.xml beside files read and written */
     {"GDAL_VRT_ENABLE_PYTHON", "NO"}, /* a VRT may hold code */
+    {"AAIGRID_DATATYPE", "Float64"},  /* else GDAL guesses from the first 100 kB, and cuts fractions that come later */
 };
 enum { SETTINGS = sizeof settings / sizeof settings[0] };
 
