@@ -2,7 +2,6 @@
 /* Limits of a viewshed against a look at each sample by atan2, ends of limits in closed form, sums of weights, angles of view; and
  * profiles of lines against the surface between their points. */
 
-#include "brute_sight.h"
 #include "ground.h"
 #include "profile.h"
 #include "viewshed.h"
@@ -10,31 +9,10 @@
 
 #include <string.h>
 
-static const double degree = 3.141592653589793 / 180;
-
 enum { NX = 61, NY = 47, SAMPLES = NX * NY };
 
-/* Maps that are as usual, turned, mirrored, and in degrees. */
-static const double maps[4][3][4] = {
-    {{10, 0, 0, 500}, {0, -10, 0, 900}, {0, 0, 1, 0}},
-    {{8, 6, 0, 100}, {6, -8, 0, 100}, {0, 0, 1, 0}},
-    {{-5, 0, 0, 0}, {1, 5, 0, 0}, {0, 0, 0.3048, 0}},
-    {{0.0002, 0, 0, 7}, {0, -0.0001, 0, 47}, {0, 0, 1, 0}},
-};
-
-static void make_land(ground *g, random_state *r, int map, bool holes) {
-    float *z = malloc(SAMPLES * sizeof *z);
-    assert_non_null(z);
-    for (size_t k = 0; k < SAMPLES; k++) {
-        const double x = (double)(k % NX), y = (double)(k / NX);
-        z[k] = (float)(20 * sin(x / 7) * cos(y / 5) + random_between(r, 0, 4));
-        if (holes && random_below(r, 15) == 0) z[k] = NAN;
-    }
-    ground_take(g, NX, NY, z, maps[map]);
-    if (map < 3) return;
-    const terrain_desc t = {
-        .field = g->field, .nx = NX, .ny = NY, .z = z, .map = maps[map], .geographic = true, .unit = degree};
-    assert_true(cw_terrain_init(&g->terrain, &t));
+static void make_land(ground *g, random_state *r, size_t n) {
+    ground_rough(g, NX, NY, n % 3 == 0 ? HOLES : ROUGH, r, ground_maps[n % GROUND_MAPS]);
 }
 
 typedef struct eye {
@@ -48,7 +26,7 @@ typedef struct views {
 } views;
 
 /* All that is computed with these limits. */
-static void look(const ground *g, const eye *e, const sight_limits *limits, const cw_run *query, views *to) {
+static void look(const ground *g, const eye *e, const sight_limits *limits, views *to) {
     const viewshed_desc d = {.place = {e->x, e->y},
                              .height = e->height,
                              .absolute = true,
@@ -58,10 +36,10 @@ static void look(const ground *g, const eye *e, const sight_limits *limits, cons
     viewshed *v = NULL;
     check_status(cw_viewshed_create(&g->terrain, g->bounds, &d, &v), CW_OK);
     memset(to, 0, sizeof *to);
-    check_status(cw_viewshed_see(v, query, (cw_area){0}, &(cw_view){.seen = to->seen}), CW_OK);
-    check_status(cw_viewshed_see(v, query, (cw_area){0}, &(cw_view){.angle = to->angles}), CW_OK);
+    check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = to->seen}), CW_OK);
+    check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.angle = to->angles}), CW_OK);
     for (int n = 1; n <= 3; n++) {
-        check_status(cw_viewshed_see(v, query, (cw_area){0}, &(cw_view){.sum = to->sums, .weight = n}), CW_OK);
+        check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.sum = to->sums, .weight = n}), CW_OK);
     }
     cw_viewshed_destroy(v);
 }
@@ -109,22 +87,18 @@ static sight_limits random_limits(random_state *r) {
  * less than 2^-45 degrees, and of distances of a few hundred metres as much. */
 static void limits_sample_by_sample(void **state) {
     (void)state;
-    static views all, some, again;
+    static views all, some;
     random_state r = {2311};
     size_t seen = 0, left_out = 0;
-    cw_pool *pool = NULL;
-    check_status(cw_pool_create(4, &pool), CW_OK);
     for (size_t n = 0; n < 160; n += test_step(7)) {
         ground g;
-        make_land(&g, &r, (int)(n % 4), n % 3 == 0);
+        make_land(&g, &r, n);
         eye e = {random_between(&r, -5, NX + 5), random_between(&r, -5, NY + 5), random_between(&r, 20, 60),
                  random_between(&r, 0, 5), random_below(&r, 2) ? 0 : 200};
         if (n % 2) e.x = rint(e.x), e.y = rint(e.y);
         const sight_limits none = {0}, l = random_limits(&r);
-        look(&g, &e, &none, NULL, &all);
-        look(&g, &e, &l, NULL, &some);
-        look(&g, &e, &l, &(cw_run){.pool = pool}, &again);
-        check(memcmp(&some, &again, sizeof some) == 0, "other bits with four threads");
+        look(&g, &e, &none, &all);
+        look(&g, &e, &l, &some);
         for (size_t k = 0; k < SAMPLES; k++) {
             if (isnan(g.z[k])) {
                 assert_true(some.seen[k] == 0 && isnan(some.angles[k]) && some.sums[k] == 0);
@@ -144,14 +118,8 @@ static void limits_sample_by_sample(void **state) {
         }
         ground_free(&g);
     }
-    cw_pool_destroy(pool);
     print_message("%zu seen, %zu left out\n", seen, left_out);
     assert_true(seen > 1000 && left_out > 1000);
-}
-
-static double level(const double *shape, double x, double y) {
-    (void)x, (void)y;
-    return shape[0];
 }
 
 /* Level ground and an eye over sample (20, 20), 30 m high: limits include their ends, and so does the eye's own sample those that are
@@ -160,7 +128,7 @@ static void ends_of_limits(void **state) {
     (void)state;
     enum { SIDE = 41, AT = 20 };
     ground g;
-    ground_make(&g, SIDE, SIDE, level, (double[]){0});
+    ground_make(&g, SIDE, SIDE, plane, (double[3]){0});
     const eye e = {AT, AT, 30, 0, 0};
     static const struct {
         sight_limits limits;
@@ -219,7 +187,7 @@ static void ends_of_limits(void **state) {
 }
 
 /* All points of a profile are on the surface. Between two points the surface is straight, so none is missing. A point is seen if it
- * rises more steeply than all edges before it. */
+ * rises more steeply than all before it. */
 static void profiles(void **state) {
     (void)state;
     random_state r = {77};
@@ -227,7 +195,7 @@ static void profiles(void **state) {
     size_t seen = 0, hidden = 0, holes = 0;
     for (size_t n = 0; n < 120; n += test_step(5)) {
         ground g;
-        make_land(&g, &r, (int)(n % 4), n % 3 == 0);
+        make_land(&g, &r, n);
         const terrain *t = &g.terrain;
         const double metres = terrain_metres_of_height(t);
         double ends[2][3];
@@ -240,7 +208,7 @@ static void profiles(void **state) {
         if (n % 5 == 0) ends[1][0] = ends[0][0]; /* along a column */
         if (ends[1][0] == ends[0][0] && ends[1][1] == ends[0][1]) ends[1][1] = ends[0][1] < 20 ? 30 : 3;
         sight s;
-        cw_sight_init(&s, t, NULL, ends[0], n % 4 == 1 ? 50 : 0);
+        cw_sight_init(&s, t, g.bounds, ends[0], n % 4 == 1 ? 50 : 0);
         check_status(cw_profile_make(&p, &s, ends[1][0], ends[1][1], ends[1][2]), CW_OK);
         check(p.count >= 2 && p.points[0].share == 0 && p.points[p.count - 1].share == 1,
               "line %zu: %zu points from %.17g to %.17g", n, p.count, p.points[0].share, p.points[p.count - 1].share);
@@ -254,7 +222,8 @@ static void profiles(void **state) {
             holes += isnan(a->ground) ? 1 : 0;
             if (k > 0 && k + 1 < p.count && !isnan(a->ground)) {
                 const double rise = (a->ground - s.eye[2] - cw_sight_fall(&s, at[0], at[1])) / a->share;
-                const double before = brute_steepest(&s, at[0], at[1]) / a->share; /* per share of all of the way */
+                const double before =
+                    cw_sight_steepest(&s, at[0], at[1], -INFINITY).steepest / a->share; /* of all of the way */
                 if (fabs(rise - before) > 1e-6) {
                     check(a->seen == (rise > before), "line %zu at %.17g, %.17g: %sseen, rising %.12g after %.12g", n,
                           at[0], at[1], a->seen ? "" : "not ", rise, before);
