@@ -4,9 +4,7 @@
 
 #include "cellwalk_expert.h"
 #include "check.h"
-#include "columns.h"
-#include "fields.h"
-#include "workload/random.h"
+#include "crossings.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,69 +16,19 @@ static size_t step(void) { return test_step(10); }
 /* The headings that are tried: where they end, and how the earth is curved. */
 static double reach = 0, drop = 0;
 
-/* What a sample sees of one edge, from a to b, in a direction: nothing, if the ray passes it by. The answer's error bound,
- * 2^-21 of the steeper of the rises to the two samples, grows allowed. */
-static void see_edge(const double start[3], const double dir[2], const double a[3], const double b[3], double *steepest,
-                     double *allowed) {
-    const double ax = a[0] - start[0], ay = a[1] - start[1], bx = b[0] - start[0], by = b[1] - start[1];
-    const double side_a = dir[0] * ay - dir[1] * ax, side_b = dir[0] * by - dir[1] * bx;
-    if (isnan(a[2] + b[2]) || side_a * side_b > 0 || (side_a == 0 && side_b == 0))
-        return; /* along it: its ends count */
-    const double f = side_a / (side_a - side_b), length2 = dir[0] * dir[0] + dir[1] * dir[1];
-    const double t = ((ax + f * (bx - ax)) * dir[0] + (ay + f * (by - ay)) * dir[1]) / length2;
-    if (!(t > 1e-9) || (reach > 0 && t > reach)) return;
-    const double rise_a = a[2] - start[2], rise_b = b[2] - start[2], rise = rise_a + f * (rise_b - rise_a);
-    if (rise / t - drop * t > *steepest) *steepest = rise / t - drop * t;
-    const double error = 0x1p-21 * fmax(fabs(rise_a), fabs(rise_b)) / t + 0x1p-23 * drop * t;
-    if (error > *allowed) *allowed = error;
-}
-
-static void see_sample(const double start[3], const double dir[2], const double a[3], double *steepest,
-                       double *allowed) {
-    const double x = a[0] - start[0], y = a[1] - start[1],
-                 t = (x * dir[0] + y * dir[1]) / (dir[0] * dir[0] + dir[1] * dir[1]);
-    if (!(t > 1e-9) || dir[0] * y != dir[1] * x || isnan(a[2]) || (reach > 0 && t > reach)) return;
-    const double rise = (a[2] - start[2]) / t - drop * t,
-                 error = 0x1p-21 * fabs((a[2] - start[2]) / t) + 0x1p-23 * drop * t;
-    if (rise > *steepest) *steepest = rise;
-    if (error > *allowed) *allowed = error;
-}
-
+/* The error bound is 2^-21 of the steeper of the rises to an edge's samples. */
 static double brute(const test_field *f, size_t i, size_t j, const double dir[2], double *allowed) {
-    static const int steps[3][2] = {{1, 0}, {0, 1}, {1, 1}};
+    static crossing all[CROSSINGS_MAX];
     const double start[3] = {(double)i, (double)j, (double)f->z[j * f->nx + i]};
+    const size_t count = crossings_find(f, start, dir, drop, all);
     double steepest = -INFINITY;
     *allowed = 0;
-    for (size_t y = 0; y < f->ny; y++) {
-        size_t x = 0, until = f->nx;
-        columns_near_line(start, dir, y, &x, &until);
-        for (; x < until; x++) {
-            const double a[3] = {(double)x, (double)y, (double)f->z[y * f->nx + x]};
-            see_sample(start, dir, a, &steepest, allowed);
-            for (int k = 0; k < 3; k++) {
-                const size_t u = x + (size_t)steps[k][0], v = y + (size_t)steps[k][1];
-                if (u >= f->nx || v >= f->ny) continue;
-                see_edge(start, dir, a, (double[3]){(double)u, (double)v, (double)f->z[v * f->nx + u]}, &steepest,
-                         allowed);
-            }
-        }
+    for (size_t k = 0; k < count && !(reach > 0 && all[k].t > reach); k++) {
+        if (isnan(all[k].slope)) continue;
+        steepest = fmax(steepest, all[k].slope);
+        *allowed = fmax(*allowed, 0x1p-21 * all[k].steep + 0x1p-23 * drop * all[k].t);
     }
     return steepest;
-}
-
-/* Directions of the compass, exactly and nearly, whole numbers of cells, and any. */
-static void direction(random_state *r, size_t number, double dir[2]) {
-    static const double exact[][2] = {{1, 0},  {0, 1}, {-1, 0}, {0, -1},      {1, 1},        {-1, -1},         {1, -1},
-                                      {-1, 1}, {2, 1}, {-1, 3}, {1, 0x1p-30}, {-0x1p-30, 1}, {1, 1 + 0x1p-30}, {3, -2}};
-    enum { EXACT = sizeof exact / sizeof exact[0] };
-    if (number < EXACT) {
-        memcpy(dir, exact[number], sizeof exact[0]);
-        return;
-    }
-    const double angle = random_between(r, 0, 6.283185307179586),
-                 length = number % 2 ? 1 : random_between(r, 0.01, 100);
-    dir[0] = length * cos(angle);
-    dir[1] = length * sin(angle);
 }
 
 static cw_heading *heading_open(const cw_field *field, const double dir[2]) {
@@ -116,7 +64,7 @@ static void check_against_brute(const test_field *f, uint64_t seed) {
     for (size_t d = 0; d < 20; d += step()) {
         const size_t all = f->nx * f->ny, most = test_share(200, 40), some = all > most ? most : all;
         double dir[2];
-        direction(&r, d, dir);
+        line_direction(&r, d, dir);
         slopes_of(field, dir, slope);
         for (size_t k = 0; k < some; k++) check_sample(f, slope, some == all ? k : random_below(&r, all), dir);
     }
@@ -156,22 +104,11 @@ static void walls_on_the_border_count(void **state) {
     }
 }
 
-/* Land with mountains far away, so that stretches are passed over. */
-static void land(test_field *f, size_t nx, size_t ny) {
-    field_make(f, FIELD_RANDOM, nx, ny, 3);
-    for (size_t j = 0; j < ny; j++)
-        for (size_t i = 0; i < nx; i++) {
-            const double x = (double)i, y = (double)j;
-            f->z[j * nx + i] =
-                (float)(1000 + 40 * sin(x / 37) * cos(y / 29) + 9 * sin((x + 2 * y) / 11) + (double)f->z[j * nx + i]);
-        }
-}
-
 static void stretches_are_passed_over_rightly(void **state) {
     (void)state;
-    land(&field_a, 255, 256);
+    field_make_land(&field_a, 255, 256);
     check_against_brute(&field_a, 5);
-    land(&field_a, 1000, 60);
+    field_make_land(&field_a, 1000, 60);
     check_against_brute(&field_a, 6);
 }
 
@@ -184,7 +121,7 @@ static void ends_and_curvature_count(void **state) {
         reach = reaches[k % 4];
         drop = drops[k / 4];
         if (!test_takes(k, 4)) continue;
-        land(&field_a, 255, 130);
+        field_make_land(&field_a, 255, 130);
         check_against_brute(&field_a, 20 + k);
         field_make(&field_a, FIELD_HOLES, 40, 31, k);
         check_against_brute(&field_a, 40 + k);
@@ -198,14 +135,14 @@ static void check_bits(size_t first_direction) {
     static float first[NX * NY];
     static uint8_t hit[NX * NY];
     random_state r = {99};
-    land(&field_a, NX, NY);
+    field_make_land(&field_a, NX, NY);
     for (size_t k = 0; k < 300; k++) field_a.z[random_below(&r, NX * NY)] = NAN;
     cw_field *field = field_open(&field_a);
     cw_pool *pool = NULL;
     check_status(cw_pool_create(3, &pool), CW_OK);
     for (size_t d = 0; d < 24; d++) {
         double dir[2];
-        direction(&r, d, dir);
+        line_direction(&r, d, dir);
         if (!test_takes(first_direction + d, 16)) continue;
         cw_heading *h = heading_open(field, dir);
         for (int isa = CW_ISA_SCALAR; isa < CW_ISA_COUNT; isa++) {
@@ -274,7 +211,7 @@ static void check_bounds(void) {
         check_status(cw_field_create(&desc, &(cw_run){.expert.kernel = cw_kernel_find("cell")}, &without), CW_OK);
         for (size_t d = 0; d < 24; d += step()) {
             double dir[2];
-            direction(&r, d, dir);
+            line_direction(&r, d, dir);
             slopes_of(with, dir, bounded);
             slopes_of(without, dir, plain);
             assert_memory_equal(bounded, plain, sizeof plain);

@@ -70,6 +70,14 @@ void field_make(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t
     if (f->low > f->high) f->low = f->high = 0; /* holes only */
 }
 
+void field_make_land(test_field *f, size_t nx, size_t ny) {
+    field_make(f, FIELD_RANDOM, nx, ny, 3);
+    for (size_t k = 0; k < nx * ny; k++) {
+        const double x = (double)(k % nx), y = (double)(k / nx);
+        f->z[k] = (float)(1000 + 40 * sin(x / 37) * cos(y / 29) + 9 * sin((x + 2 * y) / 11) + (double)f->z[k]);
+    }
+}
+
 static cw_field *open_as(const test_field *f, cw_storage storage, double cell, double corner) {
     cw_field_desc desc = {0};
     desc.samples = f->z;

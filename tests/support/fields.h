@@ -48,6 +48,9 @@ typedef struct test_field {
 
 void field_make(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t seed);
 
+/* Rolling land with ripples, and mountains far away, so that blocks before them are passed over. */
+void field_make_land(test_field *f, size_t nx, size_t ny);
+
 /* The library's field over f's samples, which are borrowed; with the structures of every kernel built. The other one copies them,
  * and so allows infinities. */
 cw_field *field_open(const test_field *f);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sight_judge.h"
 
-#include "columns.h"
+#include "crossings.h"
 
 #include <gmp.h>
 #include <math.h>

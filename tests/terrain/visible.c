@@ -6,9 +6,7 @@
 
 #include "cellwalk_expert.h"
 #include "check.h"
-#include "columns.h"
-#include "fields.h"
-#include "workload/random.h"
+#include "crossings.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -21,75 +19,28 @@ typedef struct looking {
 
 /* ---- brute force ----------------------------------------------------------------------------------------------------- */
 
-/* Where a ray crosses an edge or meets a sample. Slopes are off by error at most; NaN: a hole is at the edge. */
-typedef struct crossing {
-    double t, slope, error;
-} crossing;
-
 typedef struct profile {
     const test_field *field;
     const looking *how;
-    double start[3], on_line; /* the eye; what beside() takes for 0 */
+    double start[3]; /* the eye */
     size_t count;
-    crossing crossing[4096];
+    crossing crossing[CROSSINGS_MAX];
 } profile;
 
-static int by_distance(const void *a, const void *b) {
-    const double s = ((const crossing *)a)->t, t = ((const crossing *)b)->t;
-    return (s > t) - (s < t);
-}
-
-/* A place between two samples, or on one. A float's slope is off by 2^-20 of the higher rise at most: eight roundings of
- * 2^-24, of differences that are at most twice as large. */
-static void add_place(profile *p, double t, double rise, double most) {
-    if (!(t > 1e-9)) return;
-    const double drop = p->how->drop * t;
-    check(p->count < sizeof p->crossing / sizeof *p->crossing, "too many crossings");
-    p->crossing[p->count++] =
-        (crossing){t, rise / t - drop, 0x1p-20 * (most + (double)p->how->target) / t + 0x1p-22 * drop + 0x1p-140};
-}
-
-/* How far beside the ray a sample is, times the direction's length. */
-static double beside(const profile *p, double x, double y) {
-    const double *dir = p->how->dir, side = dir[0] * (y - p->start[1]) - dir[1] * (x - p->start[0]);
-    return fabs(side) < p->on_line ? 0 : side;
-}
-
-static double along(const profile *p, double x, double y) {
-    const double *dir = p->how->dir;
-    return ((x - p->start[0]) * dir[0] + (y - p->start[1]) * dir[1]) / (dir[0] * dir[0] + dir[1] * dir[1]);
-}
-
 static double height(const profile *p, size_t x, size_t y) { return (double)p->field->z[y * p->field->nx + x]; }
-
-static void cross_edge(profile *p, size_t x, size_t y, size_t u, size_t v) {
-    const double ax = (double)x, ay = (double)y, bx = (double)u, by = (double)v;
-    const double a = beside(p, ax, ay), b = beside(p, bx, by);
-    if (a * b >= 0) return;
-    const double f = a / (a - b), rise_a = height(p, x, y) - p->start[2], rise_b = height(p, u, v) - p->start[2];
-    add_place(p, along(p, ax + f * (bx - ax), ay + f * (by - ay)), rise_a + f * (rise_b - rise_a),
-              fmax(fabs(rise_a), fabs(rise_b)));
-}
 
 static void make_profile(profile *p, size_t i, size_t j) {
     const test_field *f = p->field;
     p->start[0] = (double)i;
     p->start[1] = (double)j;
     p->start[2] = (double)(f->z[j * f->nx + i] + p->how->eye);
-    p->on_line = 1e-11 * hypot(p->how->dir[0], p->how->dir[1]);
-    p->count = 0;
-    for (size_t y = 0; y < f->ny; y++) {
-        size_t from = 0, until = f->nx;
-        columns_near_line(p->start, p->how->dir, y, &from, &until);
-        for (size_t x = from; x < until; x++) {
-            const double rise = height(p, x, y) - p->start[2];
-            if (beside(p, (double)x, (double)y) == 0) add_place(p, along(p, (double)x, (double)y), rise, fabs(rise));
-            if (x + 1 < f->nx) cross_edge(p, x, y, x + 1, y);
-            if (y + 1 < f->ny) cross_edge(p, x, y, x, y + 1);
-            if (x + 1 < f->nx && y + 1 < f->ny) cross_edge(p, x, y, x + 1, y + 1);
-        }
-    }
-    qsort(p->crossing, p->count, sizeof *p->crossing, by_distance);
+    p->count = crossings_find(f, p->start, p->how->dir, p->how->drop, p->crossing);
+}
+
+/* A float's slope is off by 2^-20 of the higher rise at most: eight roundings of 2^-24, of differences that are at most twice as
+ * large. */
+static double error_of(const looking *l, const crossing *c) {
+    return 0x1p-20 * (c->steep + (double)l->target / c->t) + 0x1p-22 * l->drop * c->t + 0x1p-140;
 }
 
 typedef struct sight {
@@ -122,21 +73,21 @@ static void brute(const profile *p, sight *least, sight *most) {
     double low = -INFINITY, high = -INFINITY;
     *least = *most = (sight){0, 0};
     for (size_t k = 0; k < p->count; k++) {
-        const crossing c = p->crossing[k], b = k > 0 ? p->crossing[k - 1] : (crossing){0, 0, 0};
-        const double up = (double)l->target;
+        const crossing c = p->crossing[k], b = k > 0 ? p->crossing[k - 1] : (crossing){1, 0, 0};
+        const double up = (double)l->target, error = error_of(l, &c), before = error_of(l, &b);
         if (!isnan(c.slope) && !isnan(b.slope)) {
             if (k == 0 && (p->start[2] > ground || up > 0)) {
                 see(least, 0, c.t, l->reach);
                 see(most, 0, c.t, l->reach);
             } else if (k > 0) {
                 const double w0 = b.slope + up / b.t, w1 = c.slope + up / c.t;
-                see_piece(least, b.t, c.t, w0 - b.error, w1 - c.error, high, l->reach);
-                see_piece(most, b.t, c.t, w0 + b.error, w1 + c.error, low, l->reach);
+                see_piece(least, b.t, c.t, w0 - before, w1 - error, high, l->reach);
+                see_piece(most, b.t, c.t, w0 + before, w1 + error, low, l->reach);
             }
         }
         if (isnan(c.slope)) continue;
-        low = fmax(low, c.slope - c.error);
-        high = fmax(high, c.slope + c.error);
+        low = fmax(low, c.slope - error);
+        high = fmax(high, c.slope + error);
     }
 }
 
@@ -193,21 +144,6 @@ static void check_eye(const profile *p, size_t at) {
     check(far > 0 ? direction[at] == 7 : isnan(direction[at]), "direction %g", (double)direction[at]);
 }
 
-static void any_direction(random_state *r, size_t number, double dir[2]) {
-    static const double exact[][2] = {
-        {1, 0},   {0, 1},  {-1, 0},      {0, -1},       {1, 1},  {-1, -1}, {1, -1},  {-1, 1}, {2, 1},          {-1, 3},
-        {-3, -1}, {3, -2}, {1, 0x1p-30}, {-0x1p-30, 1}, {-2, 1}, {1, -3},  {10, -9}, {-7, 8}, {1, 1 + 0x1p-30}};
-    enum { EXACT = sizeof exact / sizeof exact[0] };
-    if (number < EXACT) {
-        memcpy(dir, exact[number], sizeof exact[0]);
-        return;
-    }
-    const double angle = random_between(r, 0, 6.283185307179586),
-                 length = number % 2 ? 1 : random_between(r, 0.01, 100);
-    dir[0] = length * cos(angle);
-    dir[1] = length * sin(angle);
-}
-
 static profile line;
 
 /* All lines of small fields, some of large ones, in so many directions. */
@@ -218,7 +154,7 @@ static void check_against_brute(const test_field *f, looking l, size_t direction
     const double reach = l.reach;
     check_status(cw_visible_create(field, (cw_rectangle){0, 0, f->nx, f->ny}, 1, &v), CW_OK);
     for (size_t d = 0; d < directions; d += test_step(10)) {
-        any_direction(&r, d, l.dir);
+        line_direction(&r, d, l.dir);
         const double length = hypot(l.dir[0], l.dir[1]);
         l.reach = reach / length;
         looking in_steps = l;
@@ -261,24 +197,13 @@ static void every_line_counts(void **state) {
     check(inexact < 1e-3 * all, "%g of %g is left open by rounding", inexact, all);
 }
 
-/* Rolling land with ripples, and mountains that blocks are passed over in front of. */
-static void make_land(test_field *f, size_t nx, size_t ny) {
-    field_make(f, FIELD_RANDOM, nx, ny, 3);
-    for (size_t j = 0; j < ny; j++)
-        for (size_t i = 0; i < nx; i++) {
-            const double x = (double)i, y = (double)j;
-            f->z[j * nx + i] =
-                (float)(1000 + 40 * sin(x / 37) * cos(y / 29) + 9 * sin((x + 2 * y) / 11) + (double)f->z[j * nx + i]);
-        }
-}
-
 static void large_land_is_seen_rightly(void **state) {
     (void)state;
     inexact = all = 0;
     for (size_t k = 0; k < HEIGHTS - 1; k++) {
         const looking l = {.eye = heights[k][0], .target = heights[k][1], .drop = k % 2 ? 1e-4 : 0};
         if (!test_takes(k, 3)) continue;
-        make_land(&field_a, k % 2 ? 255 : 90, k % 2 ? 130 : 300);
+        field_make_land(&field_a, k % 2 ? 255 : 90, k % 2 ? 130 : 300);
         check_against_brute(&field_a, l, 20, 5 + k);
     }
     check(inexact < 0.01 * all, "%g of %g is left open by rounding", inexact, all);
@@ -308,7 +233,7 @@ static void reach_and_curvature_count(void **state) {
                            .eye = heights[k % HEIGHTS][0],
                            .target = heights[k % HEIGHTS][1]};
         if (!test_takes(k, 4)) continue;
-        make_land(&field_a, 155, 130);
+        field_make_land(&field_a, 155, 130);
         check_against_brute(&field_a, l, 17, 20 + k);
         field_make(&field_a, FIELD_HOLES, 40, 31, k);
         check_against_brute(&field_a, l, 17, 40 + k);
@@ -371,9 +296,9 @@ static void bits_are_the_same(void **state) {
         looking l = {.eye = heights[d % HEIGHTS][0], .target = heights[d % HEIGHTS][1]};
         l.drop = d % 4 == 1 ? 1e-4 : 0;
         l.reach = d % 5 == 2 ? 33.3 : 0;
-        any_direction(&r, d, l.dir);
+        line_direction(&r, d, l.dir);
         if (!test_takes(d, 16)) continue;
-        make_land(&field_a, NX, NY);
+        field_make_land(&field_a, NX, NY);
         for (size_t k = 0; k < 300; k++) field_a.z[random_below(&r, NX * NY)] = NAN;
         cw_field *field = field_open(&field_a);
         cw_visible *v = NULL;
@@ -401,7 +326,7 @@ static void bits_are_the_same(void **state) {
 /* Directions close to each other share bounds. */
 static void slack_changes_nothing(void **state) {
     (void)state;
-    make_land(&field_a, NX, NY);
+    field_make_land(&field_a, NX, NY);
     cw_field *field = field_open(&field_a);
     cw_visible *each = NULL, *shared = NULL;
     const cw_rectangle whole = {0, 0, NX, NY};
