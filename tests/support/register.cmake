@@ -38,6 +38,55 @@ function(cellwalk_tell_left_out)
     endforeach()
 endfunction()
 
+# Registers the test NAME.
+#   COMMAND word…          its program, which runs IN folder
+#   NEEDS word…            what it cannot do without
+#   LABELS label…, ENVIRONMENT name=value…
+#   SECONDS n              of CPU time, if it is long: the longest start first
+#   ONCE                   neither compiler nor sanitizers can change its outcome: it gets the label once, and presets other than ci
+#                          leave it out
+#   SKIPS 77 or pattern    the status with which it ends, or what it prints, where it finds that it cannot run
+#   RESULT variable        true if it is not left out
+function(cellwalk_register name)
+    cmake_parse_arguments(PARSE_ARGV 1 test "ONCE" "IN;SECONDS;SKIPS;RESULT" "COMMAND;NEEDS;LABELS;ENVIRONMENT")
+    if(test_UNPARSED_ARGUMENTS)
+        message(FATAL_ERROR "${name}: ${test_UNPARSED_ARGUMENTS} is none of a row's words")
+    endif()
+    cellwalk_is_possible(possible ${name} ${test_NEEDS})
+    if(test_RESULT)
+        set(${test_RESULT} ${possible} PARENT_SCOPE)
+    endif()
+    if(NOT possible)
+        return()
+    endif()
+    if(NOT test_IN)
+        set(test_IN ${CMAKE_CURRENT_BINARY_DIR})
+    endif()
+    if(test_ONCE)
+        list(APPEND test_LABELS once)
+    endif()
+    add_test(NAME ${name} COMMAND ${test_COMMAND} WORKING_DIRECTORY ${test_IN})
+    set_tests_properties(${name} PROPERTIES TIMEOUT 900) # a hang, not a slow or busy machine
+    foreach(property IN ITEMS "LABELS;LABELS" "ENVIRONMENT;ENVIRONMENT" "SECONDS;COST")
+        list(POP_FRONT property from)
+        if(test_${from})
+            set_tests_properties(${name} PROPERTIES ${property} "${test_${from}}")
+        endif()
+    endforeach()
+    if(test_SKIPS STREQUAL 77)
+        set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
+    elseif(test_SKIPS)
+        set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION ${test_SKIPS})
+    endif()
+endfunction()
+
+# The same for a file of pytest's in FOLDER, or one of its functions. It counts as skipped if pytest skips one of its tests, and says
+# which.
+function(cellwalk_pytest name folder file)
+    cellwalk_register(${name} ${ARGN} IN ${CMAKE_CURRENT_SOURCE_DIR}/${folder} SKIPS "SKIPPED \\["
+        COMMAND ${interpreter} -B -m pytest -q -rs -p no:cacheprovider ${file})
+endfunction()
+
 # Slow: tests with random parts run a tenth of their rays.
 set(scale_down 1)
 if(CELLWALK_SANITIZE OR CELLWALK_SANITIZE_THREADS OR CMAKE_BUILD_TYPE STREQUAL "Debug" OR CMAKE_CROSSCOMPILING)
@@ -48,64 +97,54 @@ endif()
 #   SOURCES file…   in FOLDER
 #   LINKS target…   beside cmocka and the library
 #   NEEDS word…     beside cmocka
-#   RUNS target     the program that the test starts, as CELLWALK_PROGRAM
 #   AFTER target…   what else has to be built first
 #   DEFINES a=b…    for its sources
+#   ENVIRONMENT …   as above
 #   KERNELS share   its outcome may depend on which kernels the machine has. So it gets the label kernels, and a twin
 #                   NAME_avx512_emulated (emulated.cmake) with one ray in that many where it makes rays by the number; 0: none
 #   TWIN            the twin has the label emulated; other twins have the label long. The target of that name builds it, all does
 #                   not, and the preset of that name runs it
 #   PARTS "test n pattern…"…   tests of these names run the program's rows that match the patterns (rows.h) and take n seconds; there
 #                   is no test NAME
-#   SECONDS n       of CPU time, if it is long: the longest start first
+#   SECONDS n       as above
 function(cellwalk_test folder name)
-    cmake_parse_arguments(PARSE_ARGV 2 row "TWIN" "RUNS;KERNELS;SECONDS" "SOURCES;LINKS;NEEDS;AFTER;DEFINES;PARTS")
+    cmake_parse_arguments(PARSE_ARGV 2 row "TWIN" "RUNS;KERNELS;SECONDS" "SOURCES;LINKS;NEEDS;AFTER;DEFINES;PARTS;ENVIRONMENT")
     if(row_UNPARSED_ARGUMENTS OR NOT row_SOURCES)
         message(FATAL_ERROR "${name}: ${row_UNPARSED_ARGUMENTS} is none of a row's words, or sources are missing")
     endif()
     list(TRANSFORM row_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/ REGEX "^[^$]")
-    set(tests ${name})
-    if(row_PARTS)
-        list(TRANSFORM row_PARTS REPLACE " .*" "" OUTPUT_VARIABLE tests)
-    endif()
     set(labels ${folder})
     if(DEFINED row_KERNELS)
         list(APPEND labels kernels)
     endif()
-    foreach(test IN LISTS tests)
-        cellwalk_is_possible(possible ${test} cmocka ${row_NEEDS})
+    set(parts ${row_PARTS})
+    if(NOT parts)
+        set(parts "${name} ${row_SECONDS} ")
+    endif()
+    foreach(part IN LISTS parts)
+        string(REGEX MATCH "^([^ ]+) ([0-9]*) (.*)$" part "${part}")
+        set(patterns ${CMAKE_MATCH_3})
+        cellwalk_register(${CMAKE_MATCH_1} COMMAND test_${name} ${patterns} NEEDS cmocka ${row_NEEDS} LABELS ${labels}
+            SECONDS ${CMAKE_MATCH_2} ENVIRONMENT ${row_ENVIRONMENT} RESULT possible)
     endforeach()
     if(possible)
-        cellwalk_add_program(${name} "${row_RUNS}" ${row_LINKS})
-        foreach(part IN LISTS row_PARTS)
-            string(REGEX MATCH "^([^ ]+) ([0-9]+) (.*)$" part "${part}")
-            set(row_SECONDS ${CMAKE_MATCH_2})
-            add_test(NAME ${CMAKE_MATCH_1} COMMAND test_${name} ${CMAKE_MATCH_3})
-            cellwalk_limit_time(${CMAKE_MATCH_1})
-        endforeach()
-        set_tests_properties(${tests} PROPERTIES LABELS "${labels}")
+        cellwalk_add_program(${name} ${row_LINKS})
         if(folder MATCHES "^(core|io|scene|terrain|faults)$")
             add_dependencies(tests_of_libraries test_${name})
         endif()
     endif()
-    set(row_PARTS)
     if(row_KERNELS)
         set(twin ${name}_avx512_emulated)
-        cellwalk_is_possible(possible ${twin} cmocka ${row_NEEDS} emulation)
+        set(kind long)
+        if(row_TWIN)
+            set(kind emulated)
+        endif()
+        cellwalk_register(${twin} COMMAND test_${twin} NEEDS cmocka ${row_NEEDS} emulation LABELS ${kind} SECONDS ${row_SECONDS}
+            ENVIRONMENT CELLWALK_TEST_DIVIDE=${row_KERNELS} RESULT possible)
         if(possible)
-            if(row_RUNS)
-                cellwalk_emulated_twin(${row_RUNS})
-                string(APPEND row_RUNS _emulated)
-            endif()
-            cellwalk_add_program(${twin} "${row_RUNS}" cellwalk_emulated ${row_LINKS})
-            set_tests_properties(${twin} PROPERTIES ENVIRONMENT CELLWALK_TEST_DIVIDE=${row_KERNELS} LABELS emulated)
+            cellwalk_add_program(${twin} cellwalk_emulated ${row_LINKS})
             set_target_properties(test_${twin} PROPERTIES EXCLUDE_FROM_ALL ON)
-            if(row_TWIN)
-                add_dependencies(emulated test_${twin})
-            else()
-                set_tests_properties(${twin} PROPERTIES LABELS long)
-                add_dependencies(long test_${twin})
-            endif()
+            add_dependencies(${kind} test_${twin})
         endif()
     endif()
 endfunction()
@@ -127,139 +166,65 @@ function(cellwalk_quick)
 endfunction()
 
 # Takes the row from cellwalk_test.
-function(cellwalk_add_program name program)
+function(cellwalk_add_program name)
     set(target test_${name})
     add_executable(${target} ${row_SOURCES})
     target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
     target_link_libraries(${target} PRIVATE ${ARGN} cellwalk_test_support cellwalk_flags)
-    target_compile_definitions(${target} PRIVATE TEST_SCALE_DOWN=${scale_down})
+    target_compile_definitions(${target} PRIVATE TEST_SCALE_DOWN=${scale_down} ${row_DEFINES})
     if(CMAKE_CROSSCOMPILING) # an emulator's memory is its own, and QEMU 7.2 fails where a forked child starts threads
         target_compile_definitions(${target} PRIVATE TEST_IN_EMULATOR)
-    endif()
-    target_compile_definitions(${target} PRIVATE ${row_DEFINES})
-    if(program)
-        target_compile_definitions(${target} PRIVATE CELLWALK_PROGRAM="$<TARGET_FILE:${program}>")
-        add_dependencies(${target} ${program})
     endif()
     if(row_AFTER)
         add_dependencies(${target} ${row_AFTER})
     endif()
-    if(NOT row_PARTS)
-        add_test(NAME ${name} COMMAND ${target})
-        cellwalk_limit_time(${name})
-    endif()
 endfunction()
 
-# Takes SECONDS from the row of its caller.
-function(cellwalk_limit_time name)
-    set_tests_properties(${name} PROPERTIES TIMEOUT 900) # a hang, not a slow or busy machine
-    if(row_SECONDS)
-        set_tests_properties(${name} PROPERTIES COST ${row_SECONDS})
-    endif()
-endfunction()
-
-# A row for tool/test_NAME.py, which starts the program: the test tool_NAME. KERNELS and SECONDS as of cellwalk_test, but that a twin
-# starts the program with emulated kernels. One in which pytest skips a test counts as skipped, and says which.
+# A row for tool/test_NAME.py, which starts the program: the test tool_NAME. KERNELS and the rest as above, but that a twin starts the
+# program with emulated kernels.
 add_executable(cellwalk_test_library ${CMAKE_CURRENT_LIST_DIR}/../tool/library.c)
 target_link_libraries(cellwalk_test_library PRIVATE cellwalk_reference cellwalk_flags m)
 function(cellwalk_tool_test name)
     cmake_parse_arguments(PARSE_ARGV 1 row "" "KERNELS;SECONDS" "NEEDS")
-    cellwalk_add_tool_test(tool_${name} "" tool ${row_NEEDS})
-    if(DEFINED row_KERNELS AND TEST tool_${name})
-        set_property(TEST tool_${name} APPEND PROPERTY LABELS kernels)
+    set(environment CELLWALK_SOURCE=${PROJECT_SOURCE_DIR} CELLWALK_TEST_SLOW=${scale_down})
+    foreach(given IN ITEMS "PRELOAD;cellwalk_test_preload;" "BENCH;cellwalk_bench;" "MODULES;cellwalk_gdal;_DIR")
+        list(POP_FRONT given variable target folder)
+        if(TARGET ${target})
+            list(APPEND environment CELLWALK_${variable}=$<TARGET_FILE${folder}:${target}>)
+        endif()
+    endforeach()
+    set(labels tool)
+    if(DEFINED row_KERNELS)
+        list(APPEND labels kernels)
     endif()
-    if(row_KERNELS)
-        if(NOT lacks_emulation AND NOT lacks_tool)
+    foreach(twin IN ITEMS "" _emulated)
+        set(test tool_${name})
+        if(twin)
+            if(NOT row_KERNELS)
+                return()
+            endif()
+            set(test tool_${name}_avx512_emulated)
+            set(labels long)
+            list(APPEND row_NEEDS emulation)
             foreach(program IN ITEMS cellwalk_tool cellwalk_test_library)
-                cellwalk_emulated_twin(${program})
-                add_dependencies(long ${program}_emulated)
+                if(NOT lacks_emulation AND NOT lacks_tool)
+                    cellwalk_emulated_twin(${program})
+                    add_dependencies(long ${program}_emulated)
+                endif()
             endforeach()
         endif()
-        cellwalk_add_tool_test(tool_${name}_avx512_emulated _emulated long ${row_NEEDS} emulation)
-    endif()
+        cellwalk_pytest(${test} tool test_${name}.py NEEDS native tool numpy pytest ${row_NEEDS} LABELS ${labels} SECONDS ${row_SECONDS}
+            ENVIRONMENT CELLWALK_PROGRAM=$<TARGET_FILE:cellwalk_tool${twin}>
+                CELLWALK_LIBRARY=$<TARGET_FILE:cellwalk_test_library${twin}> ${environment})
+    endforeach()
 endfunction()
 
-# Takes name and row from its caller.
-function(cellwalk_add_tool_test test twin label)
-    cellwalk_is_possible(possible ${test} native tool numpy pytest ${ARGN})
-    if(possible)
-        add_test(NAME ${test} WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/tool
-            COMMAND ${interpreter} -B -m pytest -q -rs -p no:cacheprovider test_${name}.py)
-        set(environment CELLWALK_PROGRAM=$<TARGET_FILE:cellwalk_tool${twin}> CELLWALK_LIBRARY=$<TARGET_FILE:cellwalk_test_library${twin}>
-            CELLWALK_SOURCE=${PROJECT_SOURCE_DIR} CELLWALK_TEST_SLOW=${scale_down})
-        if(TARGET cellwalk_test_preload)
-            list(APPEND environment CELLWALK_PRELOAD=$<TARGET_FILE:cellwalk_test_preload>)
-        endif()
-        if(TARGET cellwalk_bench)
-            list(APPEND environment CELLWALK_BENCH=$<TARGET_FILE:cellwalk_bench>)
-        endif()
-        if(TARGET cellwalk_gdal)
-            list(APPEND environment CELLWALK_MODULES=$<TARGET_FILE_DIR:cellwalk_gdal>)
-        endif()
-        set_tests_properties(${test} PROPERTIES LABELS ${label} SKIP_REGULAR_EXPRESSION "SKIPPED \\[" ENVIRONMENT "${environment}")
-        cellwalk_limit_time(${test})
-    endif()
-endfunction()
-
-# A row for a CMake script in FOLDER, which prints SKIPPED where it finds that it cannot run.
-#   SCRIPT file, WITH name=value…, NEEDS word…, SECONDS n, ONCE if neither compiler nor sanitizers can change its outcome: it gets
-#   the label once, and presets other than ci leave it out
-function(cellwalk_script_test folder name)
-    cmake_parse_arguments(PARSE_ARGV 2 row "ONCE" "SCRIPT;SECONDS" "WITH;NEEDS")
-    if(row_UNPARSED_ARGUMENTS OR NOT row_SCRIPT)
-        message(FATAL_ERROR "${name}: ${row_UNPARSED_ARGUMENTS} is none of a row's words, or the script is missing")
-    endif()
-    cellwalk_is_possible(possible ${name} ${row_NEEDS})
-    if(NOT possible)
-        return()
-    endif()
-    list(TRANSFORM row_WITH PREPEND -D)
-    cmake_path(ABSOLUTE_PATH row_SCRIPT BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
-    add_test(NAME ${name} COMMAND ${CMAKE_COMMAND} ${row_WITH} -P ${row_SCRIPT})
-    set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION SKIPPED)
-    if(row_ONCE)
-        set_tests_properties(${name} PROPERTIES LABELS once)
-    endif()
-    cellwalk_limit_time(${name})
-endfunction()
-
-# A row for a function of package/test_package.py: NAME's or FUNCTION's, with name=value… as environment. NEEDS, SECONDS and ONCE as
-# above.
+# A row for a function of package/test_package.py: NAME's or FUNCTION's, with name=value… as environment.
 function(cellwalk_package_test name)
-    cmake_parse_arguments(PARSE_ARGV 1 row "ONCE" "FUNCTION;SECONDS" "WITH;NEEDS")
-    cellwalk_is_possible(possible ${name} pytest ${row_NEEDS})
-    if(NOT possible)
-        return()
-    endif()
+    cmake_parse_arguments(PARSE_ARGV 1 row "" "FUNCTION" "WITH;NEEDS")
     if(NOT row_FUNCTION)
         set(row_FUNCTION ${name})
     endif()
-    add_test(NAME ${name} WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/package
-        COMMAND ${interpreter} -B -m pytest -q -rs -p no:cacheprovider test_package.py::test_${row_FUNCTION})
-    set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED \\[" ENVIRONMENT
-        "SOURCE=${PROJECT_SOURCE_DIR};CMAKE=${CMAKE_COMMAND};GENERATOR=${CMAKE_GENERATOR};CC=${CMAKE_C_COMPILER};${row_WITH}")
-    if(row_ONCE)
-        set_tests_properties(${name} PROPERTIES LABELS once)
-    endif()
-    cellwalk_limit_time(${name})
-endfunction()
-
-# A row for any other command: COMMAND word…, IN folder, NEEDS word…, SECONDS n, ONCE as above, SKIPS if it exits with 77 where
-# it finds that it cannot run; properties may be added after it.
-function(cellwalk_command_test name)
-    cmake_parse_arguments(PARSE_ARGV 1 row "ONCE;SKIPS" "IN;SECONDS" "COMMAND;NEEDS")
-    cellwalk_is_possible(possible ${name} ${row_NEEDS})
-    if(NOT row_IN)
-        set(row_IN ${CMAKE_CURRENT_BINARY_DIR})
-    endif()
-    if(possible)
-        add_test(NAME ${name} COMMAND ${row_COMMAND} WORKING_DIRECTORY ${row_IN})
-        if(row_SKIPS)
-            set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
-        endif()
-        if(row_ONCE)
-            set_tests_properties(${name} PROPERTIES LABELS once)
-        endif()
-        cellwalk_limit_time(${name})
-    endif()
+    cellwalk_pytest(${name} package test_package.py::test_${row_FUNCTION} ${row_UNPARSED_ARGUMENTS} NEEDS pytest ${row_NEEDS} ENVIRONMENT
+        SOURCE=${PROJECT_SOURCE_DIR} CMAKE=${CMAKE_COMMAND} GENERATOR=${CMAKE_GENERATOR} CC=${CMAKE_C_COMPILER} ${row_WITH})
 endfunction()
