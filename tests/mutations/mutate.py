@@ -24,7 +24,8 @@ SETTINGS = ["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_C_FLAGS_RELEASE=-O1 -DNDEBUG"
 
 def read_faults():
     """The faults; stops at one whose text does not stand exactly once in its file."""
-    faults = tomllib.loads((HERE / "faults.toml").read_text())["fault"]
+    faults = [{"file": g["file"], "tests": g["tests"], "search": search, "replace": replace, "breaks": breaks}
+              for g in tomllib.loads((HERE / "faults.toml").read_text())["in"] for search, replace, breaks in g["faults"]]
     for f in faults:
         count = (SOURCE / f["file"]).read_text().count(f["search"])
         if count != 1 or f["search"] == f["replace"]:
