@@ -18,6 +18,7 @@
 #define W 4 /* lanes of a register */
 
 typedef int32x4_t ints, int_lanes;
+typedef float32x4_t float_lanes;
 typedef struct float_reg {
     float32x4_t v;
 } float_reg;
@@ -97,12 +98,12 @@ static inline unsigned rm_bits(mask_reg a) {
 
 /* Lanes taken out two at a time; those outside m as 0. */
 typedef struct lane_indices {
-    int32_t k[4];
+    uint32_t k[4];
 } lane_indices;
 static inline lane_indices lanes_out(int_reg index, mask_reg m) {
     const int64x2_t pairs = vreinterpretq_s64_s32(ri_where(m, index).v);
     const int64_t low = vgetq_lane_s64(pairs, 0), high = vgetq_lane_s64(pairs, 1);
-    return (lane_indices){{(int32_t)low, (int32_t)(low >> 32), (int32_t)high, (int32_t)(high >> 32)}};
+    return (lane_indices){{(uint32_t)low, (uint32_t)(low >> 32), (uint32_t)high, (uint32_t)(high >> 32)}};
 }
 
 /* No gather instruction: lanes one by one, those outside m from base[0]. */
@@ -123,24 +124,17 @@ CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, flo
     second->v = vuzp2q_f32(low, high);
 }
 
-/* A 4 × 4 transpose. */
-CW_INLINE void rf_load_quads(const float *const at[4], float_reg out[4]) {
+static inline float_reg rf_load_quarters(const float *const *at, size_t step) { return (void)step, rf_load(at[0]); }
+CW_INLINE void transpose(const float_reg r[4], float_reg out[4]) {
     float64x2_t even[2], odd[2];
     for (int h = 0; h < 2; h++) {
-        const float32x4_t a = vld1q_f32(at[2 * h]), b = vld1q_f32(at[2 * h + 1]);
-        even[h] = vreinterpretq_f64_f32(vtrn1q_f32(a, b));
-        odd[h] = vreinterpretq_f64_f32(vtrn2q_f32(a, b));
+        even[h] = vreinterpretq_f64_f32(vtrn1q_f32(r[2 * h].v, r[2 * h + 1].v));
+        odd[h] = vreinterpretq_f64_f32(vtrn2q_f32(r[2 * h].v, r[2 * h + 1].v));
     }
     out[0].v = vreinterpretq_f32_f64(vzip1q_f64(even[0], even[1]));
     out[1].v = vreinterpretq_f32_f64(vzip1q_f64(odd[0], odd[1]));
     out[2].v = vreinterpretq_f32_f64(vzip2q_f64(even[0], even[1]));
     out[3].v = vreinterpretq_f32_f64(vzip2q_f64(odd[0], odd[1]));
-}
-CW_INLINE void rf_gather_quads(const float *base, int_reg index, mask_reg m, float_reg out[4]) {
-    const lane_indices k = lanes_out(index, m);
-    const float *const at[4] = {base + 4 * (ptrdiff_t)k.k[0], base + 4 * (ptrdiff_t)k.k[1],
-                                base + 4 * (ptrdiff_t)k.k[2], base + 4 * (ptrdiff_t)k.k[3]};
-    rf_load_quads(at, out);
 }
 
 /* Members in pairs of two; a hit is three pairs, two hits are three registers. */
@@ -157,14 +151,6 @@ CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v
         vst1q_f32(to, vcombine_f32(vget_low_f32(ti), vget_low_f32(jb)));
         vst1q_f32(to + 4, vcombine_f32(vget_low_f32(uv), vget_high_f32(ti)));
         vst1q_f32(to + 8, vcombine_f32(vget_high_f32(jb), vget_high_f32(uv)));
-    }
-}
-
-/* By fours, neighbours at a time. */
-CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
-    for (int k = 0; k < 16; k += 4) {
-        const float32x4_t ab = vpminq_f32(a[k].v, a[k + 1].v), cd = vpminq_f32(a[k + 2].v, a[k + 3].v);
-        vst1q_f32(out + k, vpminq_f32(ab, cd));
     }
 }
 
@@ -206,5 +192,7 @@ static inline float_reg rf_load_block(const float *row, ptrdiff_t step, const vo
     const uint8x16_t in_field_order = vreinterpretq_u8_f32(vld1q_f32(row + (ptrdiff_t)k * step));
     return (float_reg){vreinterpretq_f32_u8(vqtbl1q_u8(in_field_order, o->column))};
 }
+
+#include "vec_lanes.h"
 
 #endif

@@ -9,6 +9,7 @@
 #define F32         __m128
 #define F64         __m128d
 #define I32         __m128i
+#define LANE_MASK   __m128
 
 #include "vec_x86.h"
 
@@ -40,62 +41,20 @@ static inline mask_reg rm_from_bits(unsigned bits) {
     return (mask_reg){_mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int32_t)bits), bit), bit))};
 }
 
+static inline lane_indices lanes_out(int_reg index, mask_reg m) {
+    const __m128i safe = _mm_and_si128(index.v, _mm_castps_si128(m.v));
+    const uint64_t low = (uint64_t)_mm_cvtsi128_si64(safe), high = (uint64_t)_mm_extract_epi64(safe, 1);
+    return (lane_indices){{(uint32_t)low, (uint32_t)(low >> 32), (uint32_t)high, (uint32_t)(high >> 32)}};
+}
+static inline float_reg of_quarters(const __m128 q[1]) { return (float_reg){q[0]}; }
+static inline void to_quarters(__m128 r, __m128 q[1]) { q[0] = r; }
+
 /* No gather instruction: lanes one by one, those outside m from base[0]. */
 static inline float_reg rf_gather(const float *base, int_reg index, mask_reg m) {
-    const __m128i safe = _mm_and_si128(index.v, _mm_castps_si128(m.v));
-    const __m128 a = _mm_load_ss(base + _mm_cvtsi128_si32(safe)), b = _mm_load_ss(base + _mm_extract_epi32(safe, 1));
-    const __m128 c = _mm_load_ss(base + _mm_extract_epi32(safe, 2)), d = _mm_load_ss(base + _mm_extract_epi32(safe, 3));
+    const lane_indices at = lanes_out(index, m);
+    const __m128 a = _mm_load_ss(base + at.k[0]), b = _mm_load_ss(base + at.k[1]);
+    const __m128 c = _mm_load_ss(base + at.k[2]), d = _mm_load_ss(base + at.k[3]);
     return (float_reg){_mm_and_ps(_mm_movelh_ps(_mm_unpacklo_ps(a, b), _mm_unpacklo_ps(c, d)), m.v)};
-}
-
-/* Two floats as one 8-byte load, the lanes' pairs then separated by shuffles. An integer load: _mm_load_sd would claim that a
- * double lies there, aligned. */
-CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, float_reg *first, float_reg *second) {
-    const __m128i safe = _mm_and_si128(index.v, _mm_castps_si128(m.v));
-    __m128 low = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(base + _mm_cvtsi128_si32(safe))));
-    __m128 high = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(base + _mm_extract_epi32(safe, 2))));
-    low = _mm_loadh_pi(low, (const __m64 *)(base + _mm_extract_epi32(safe, 1)));
-    high = _mm_loadh_pi(high, (const __m64 *)(base + _mm_extract_epi32(safe, 3)));
-    first->v = _mm_shuffle_ps(low, high, 0x88);
-    second->v = _mm_shuffle_ps(low, high, 0xdd);
-}
-
-CW_INLINE void rf_gather_quads(const float *base, int_reg index, mask_reg m, float_reg out[4]) {
-    int32_t k[4];
-    __m128 r[4];
-    _mm_storeu_si128((__m128i *)k, _mm_and_si128(index.v, _mm_castps_si128(m.v)));
-    for (int q = 0; q < 4; q++) r[q] = _mm_load_ps(base + 4 * (ptrdiff_t)k[q]);
-    transpose(r, out);
-}
-CW_INLINE void rf_load_quads(const float *const at[4], float_reg out[4]) {
-    __m128 r[4];
-    for (int q = 0; q < 4; q++) r[q] = _mm_loadu_ps(at[q]);
-    transpose(r, out);
-}
-
-/* Members in pairs of two; a hit is three pairs, two hits are three registers. */
-CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v, float_reg i, float_reg j,
-                             mask_reg b) {
-    const __m128 whole_i = _mm_castsi128_ps(_mm_cvttps_epi32(i.v)), whole_j = _mm_castsi128_ps(_mm_cvttps_epi32(j.v));
-    const __m128 in_b = _mm_and_ps(b.v, _mm_castsi128_ps(_mm_set1_epi32(1)));
-    float *to = (float *)hits;
-    for (int half = 0; half < 2; half++, to += 12) {
-        const __m128d ti = _mm_castps_pd(half ? _mm_unpackhi_ps(t.v, whole_i) : _mm_unpacklo_ps(t.v, whole_i));
-        const __m128d jb = _mm_castps_pd(half ? _mm_unpackhi_ps(whole_j, in_b) : _mm_unpacklo_ps(whole_j, in_b));
-        const __m128d uv = _mm_castps_pd(half ? _mm_unpackhi_ps(u.v, v.v) : _mm_unpacklo_ps(u.v, v.v));
-        _mm_storeu_ps(to, _mm_castpd_ps(_mm_unpacklo_pd(ti, jb)));
-        _mm_storeu_ps(to + 4, _mm_castpd_ps(_mm_shuffle_pd(uv, ti, 2)));
-        _mm_storeu_ps(to + 8, _mm_castpd_ps(_mm_unpackhi_pd(jb, uv)));
-    }
-}
-
-/* By fours: a transpose in which each step takes minima. */
-CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
-    for (int k = 0; k < 16; k += 4) {
-        const __m128 ab = _mm_min_ps(_mm_unpacklo_ps(a[k].v, a[k + 1].v), _mm_unpackhi_ps(a[k].v, a[k + 1].v));
-        const __m128 cd = _mm_min_ps(_mm_unpacklo_ps(a[k + 2].v, a[k + 3].v), _mm_unpackhi_ps(a[k + 2].v, a[k + 3].v));
-        _mm_storeu_ps(out + k, _mm_min_ps(_mm_movelh_ps(ab, cd), _mm_movehl_ps(cd, ab)));
-    }
 }
 
 static inline double_reg rd_from_rf(float_reg a, int k) {
@@ -124,5 +83,7 @@ static inline float_reg rf_load_block(const float *row, ptrdiff_t step, const vo
     const __m128i in_field_order = _mm_castps_si128(_mm_loadu_ps(row + (ptrdiff_t)k * step));
     return (float_reg){_mm_castsi128_ps(_mm_shuffle_epi8(in_field_order, o->column))};
 }
+
+#include "vec_lanes.h"
 
 #endif
