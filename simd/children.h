@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The 16 children of a node, or the 16 cells of a block, in walk order: lanes are places.
+/* The 16 children of a node, or the 16 cells of a block: lanes are places.
  *
- * Lane 4 y + x is the child in column x and row y of walk order (vorder), so the lowest set bit of a mask of
- * children is always the nearest: a ray goes through the 4 × 4 children along a monotone staircase. Descending takes
- * the lowest bit. Coming back up needs the rest of the mask, which is all the state of a level. */
+ * Lane 4 y + x is the child in row y of walk order, counted from where the ray enters y, and in column x of the field. Masks of
+ * children are in walk order along x too, so their lowest set bit is always the nearest: a ray goes through the 4 × 4 children
+ * along a monotone staircase. Descending takes the lowest bit. Coming back up needs the rest of the mask, which is all the state
+ * of a level. */
 #ifndef CELLWALK_SIMD_CHILDREN_H
 #define CELLWALK_SIMD_CHILDREN_H
 
@@ -14,24 +15,33 @@
 
 enum { CHILDREN = 16, CHILD_VECTORS = CHILDREN / W };
 
-/* Column and row, in walk order, of the child in each lane. */
-static const float lane_x[CHILDREN] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+/* Column, for rays that go down and up in x, and row, in walk order, of the child in each lane. */
+static const float lane_x[2][CHILDREN] = {{3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0},
+                                          {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3}};
 static const float lane_y[CHILDREN] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
 
+/* A mask of lanes in walk order. */
+static inline unsigned in_walk_order(unsigned lanes, bool up_x) {
+    if (up_x) return lanes;
+    lanes = (lanes & 0x5555) << 1 | (lanes >> 1 & 0x5555);
+    return (lanes & 0x3333) << 2 | (lanes >> 2 & 0x3333);
+}
+
+/* Number in walk order, XOR this, is the number in the field. */
+static inline int flip(bool up) { return up ? 0 : 3; }
+
 /* First row, in walk order, of a block with rows stride floats apart; and the step to the next row. */
-static inline const float *first_row(const vorder *o, const float *block, size_t stride) {
-    return block + (size_t)o->flip_y * stride;
+static inline const float *first_row(bool up_y, const float *block, size_t stride) {
+    return block + (size_t)flip(up_y) * stride;
 }
-static inline ptrdiff_t row_step(const vorder *o, size_t stride) {
-    return o->flip_y == 0 ? (ptrdiff_t)stride : -(ptrdiff_t)stride;
-}
+static inline ptrdiff_t row_step(bool up_y, size_t stride) { return up_y ? (ptrdiff_t)stride : -(ptrdiff_t)stride; }
 
 /* The block's 5 × 5 samples: in place, or a copy with holes outside the field if part of the block lies outside. */
 typedef struct block_samples {
     const float *z;
     size_t stride;
     float copy[5 * 5];
-    float low[CHILDREN], high[CHILDREN]; /* lowest and highest sample of each cell, in walk order; set by fat_cells */
+    float low[CHILDREN], high[CHILDREN]; /* lowest and highest sample of each cell, by lanes; set by fat_cells */
 } block_samples;
 
 static inline void load_samples(block_samples *s, const cw_field *f, size_t i, size_t j) {

@@ -14,6 +14,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdalign.h>
 #include <string.h>
 
 /* Rays of a tile, a bit each; the lanes of packet p are bits p W and on. */
@@ -52,11 +53,12 @@ typedef struct fat_axis {
     vfloat center_low, center_high, inverse_low, inverse_high;
 } fat_axis;
 
+/* Whole cache lines: of another size, it moves other arrays of the stack to where stores and loads collide (papers/walks.md). */
 typedef struct fat_ray {
-    fat_axis x, y;
+    alignas(64) fat_axis x;
+    fat_axis y;
     vfloat oz_low, oz_high, dz_low, dz_high;
     vfloat from, until;
-    vorder order;
     bool up_x, up_y;
 } fat_ray;
 
@@ -117,7 +119,6 @@ static __attribute__((noinline)) bool fat_init(fat_ray *a, const packet *packets
 
     a->up_x = vm_bits(packets[first / W].r.x.up) >> (first % W) & 1;
     a->up_y = vm_bits(packets[first / W].r.y.up) >> (first % W) & 1;
-    a->order = vorder_make(a->up_x, a->up_y);
     a->oz_low = vf_set(low[HULL_OZ]);
     a->oz_high = vf_set(-minus_high[HULL_OZ]);
     a->dz_low = vf_set(low[HULL_DZ]);
@@ -154,7 +155,7 @@ static inline vfloat fat_out(const fat_axis *a, vfloat border) {
  * start_y are the mirrored borders at which walk order begins. */
 static inline vmask fat_meets(const fat_ray *a, vfloat start_x, vfloat start_y, vfloat side, size_t k, vfloat low,
                               vfloat high) {
-    const vfloat x = vf_add(start_x, vf_mul(vf_load(lane_x + k * W), side));
+    const vfloat x = vf_add(start_x, vf_mul(vf_load(lane_x[a->up_x] + k * W), side));
     const vfloat y = vf_add(start_y, vf_mul(vf_load(lane_y + k * W), side));
     const vfloat t0 = vf_max(vf_max(fat_in(&a->x, x), fat_in(&a->y, y)), a->from);
     const vfloat t1 = vf_min(vf_min(fat_out(&a->x, vf_add(x, side)), fat_out(&a->y, vf_add(y, side))), a->until);
@@ -171,34 +172,34 @@ static inline vfloat mirrored_start(bool up, int32_t place, float side) {
 static inline unsigned fat_open(const fat_ray *a, const cw_pyramid_level *l, int32_t x, int32_t y) {
     const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
     const vfloat start_x = mirrored_start(a->up_x, 4 * x, l->side), start_y = mirrored_start(a->up_y, 4 * y, l->side);
-    const float *row = first_row(&a->order, brick, 4);
-    const ptrdiff_t step = row_step(&a->order, 4);
+    const float *row = first_row(a->up_y, brick, 4);
+    const ptrdiff_t step = row_step(a->up_y, 4);
     unsigned mask = 0;
     for (size_t k = 0; k < CHILD_VECTORS; k++)
-        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(l->side), k, vf_load_block(row, step, &a->order, k),
-                                  vf_load_block(row + 16, step, &a->order, k)))
+        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(l->side), k, vf_load_block(row, step, k),
+                                  vf_load_block(row + 16, step, k)))
                 << (k * W);
-    return mask;
+    return in_walk_order(mask, a->up_x);
 }
 
 /* The cells of a block that some ray may meet. Also sets the cells' lowest and highest samples. */
 static inline unsigned fat_cells(const fat_ray *a, block_samples *s, int32_t x, int32_t y) {
     const vfloat start_x = mirrored_start(a->up_x, 4 * x, 1), start_y = mirrored_start(a->up_y, 4 * y, 1);
-    const float *row = first_row(&a->order, s->z, s->stride);
-    const ptrdiff_t step = row_step(&a->order, s->stride);
+    const float *row = first_row(a->up_y, s->z, s->stride);
+    const ptrdiff_t step = row_step(a->up_y, s->stride);
     unsigned mask = 0;
     for (size_t k = 0; k < CHILD_VECTORS; k++) {
         vcell c;
-        c.h00 = vf_load_block(row, step, &a->order, k);
-        c.h10 = vf_load_block(row + 1, step, &a->order, k);
-        c.h01 = vf_load_block(row + s->stride, step, &a->order, k);
-        c.h11 = vf_load_block(row + s->stride + 1, step, &a->order, k);
+        c.h00 = vf_load_block(row, step, k);
+        c.h10 = vf_load_block(row + 1, step, k);
+        c.h01 = vf_load_block(row + s->stride, step, k);
+        c.h11 = vf_load_block(row + s->stride + 1, step, k);
         const vfloat low = cell_low(&c), high = cell_high(&c);
         vf_store(s->low + k * W, low);
         vf_store(s->high + k * W, high);
         mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(1), k, low, high)) << (k * W);
     }
-    return mask;
+    return in_walk_order(mask, a->up_x);
 }
 
 /* Crossings of the place with lowest corner (x, y), a ray a lane. */

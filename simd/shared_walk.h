@@ -25,13 +25,12 @@ typedef struct block_cells {
  * since a ray then leaves the registers from cell to cell (papers/walks.md). */
 CW_INLINE vmask shared_cells(int quadrant, packet *l, vmask among, const block_cells *b, bool any) {
     const bool up_x = quadrant & QUADRANT_UP_X, up_y = quadrant & QUADRANT_UP_Y;
-    const int flip_x = up_x ? 0 : 3, flip_y = up_y ? 0 : 3;
     const block_samples *s = b->s;
     const vray *r = &l->r;
     vmask found = vm_set(false);
     for (unsigned cells = b->cells; cells != 0; cells &= cells - 1) {
         const int32_t place = __builtin_ctz(cells);
-        const int32_t x = (place & 3) ^ flip_x, y = (place >> 2) ^ flip_y;
+        const int32_t lane = place ^ flip(up_x), x = lane & 3, y = (place >> 2) ^ flip(up_y);
         const float *z = s->z + (size_t)y * s->stride + x;
         vcell c;
         c.i = vf_set((float)(b->i + x));
@@ -39,7 +38,7 @@ CW_INLINE vmask shared_cells(int quadrant, packet *l, vmask among, const block_c
         place_crossings(r, up_x, up_y, (float)(b->i + x), (float)(b->j + y), 1, &c);
         c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
         c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
-        const vmask gate = vm_and(among, cell_gate_of(r, &c, vf_set(s->low[place]), vf_set(s->high[place])));
+        const vmask gate = vm_and(among, cell_gate_of(r, &c, vf_set(s->low[lane]), vf_set(s->high[lane])));
         if (!vm_any(gate)) continue;
         c.h00 = vf_set(z[0]);
         c.h10 = vf_set(z[1]);
@@ -209,7 +208,7 @@ static void shared_walk(tile_walk *w, const fat_ray *a, ray_set mine, int top, i
         }
         const int32_t place = __builtin_ctz(mask);
         mask &= mask - 1;
-        const int32_t cx = 4 * x + ((place & 3) ^ a->order.flip_x), cy = 4 * y + ((place >> 2) ^ a->order.flip_y);
+        const int32_t cx = 4 * x + ((place & 3) ^ flip(a->up_x)), cy = 4 * y + ((place >> 2) ^ flip(a->up_y));
         if (level == 0) {
             const ray_set concerned = block_rays(a, w->packets, w->rays & mine, &p->level[0], cx, cy);
             if (concerned != 0) shared_block(w, a, concerned, cx, cy, any);

@@ -83,22 +83,6 @@ static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b
     return (double_reg){_mm256_blendv_pd(b.v, a.v, _mm256_castsi256_pd(wide))};
 }
 
-typedef struct vorder {
-    int flip_x, flip_y;
-    __m256i column; /* lane shuffle that turns each row of 4 round where flip_x */
-} vorder;
-
-static inline vorder vorder_make(bool up_x, bool up_y) {
-    const __m256i same = _mm256_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3), turned = _mm256_setr_epi32(3, 2, 1, 0, 3, 2, 1, 0);
-    return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, up_x ? same : turned};
-}
-
-static inline float_reg rf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
-    const float *near = row + (ptrdiff_t)(2 * k) * step;
-    const __m256 rows = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(near)), _mm_loadu_ps(near + step), 1);
-    return (float_reg){_mm256_permutevar_ps(rows, o->column)};
-}
-
 #include "vec_lanes.h"
 
 #endif

@@ -98,26 +98,6 @@ static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b
     return (double_reg){_mm512_mask_blend_pd((__mmask8)(m.v >> 8 * k), b.v, a.v)};
 }
 
-typedef struct vorder {
-    int flip_x, flip_y;
-    __m512i lane;
-} vorder;
-
-static inline vorder vorder_make(bool up_x, bool up_y) {
-    const __m512i same = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const int flip = up_x ? 0 : 3;
-    return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, _mm512_xor_si512(same, _mm512_set1_epi32(flip))};
-}
-
-static inline float_reg rf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
-    (void)k; /* one vector is the whole block */
-    __m512 rows = _mm512_castps128_ps512(_mm_loadu_ps(row));
-    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(row + step), 1);
-    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(row + 2 * step), 2);
-    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(row + 3 * step), 3);
-    return (float_reg){_mm512_permutexvar_ps(o->lane, rows)};
-}
-
 #include "vec_lanes.h"
 
 #endif

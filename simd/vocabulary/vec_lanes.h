@@ -39,4 +39,10 @@ CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
     }
 }
 
+static inline float_reg rf_load_block(const float *row, ptrdiff_t step, size_t k) {
+    const float *at[W / 4];
+    for (size_t h = 0; h < W / 4; h++) at[h] = row + (ptrdiff_t)(k * (W / 4) + h) * step;
+    return rf_load_quarters(at, 1);
+}
+
 #endif

@@ -177,22 +177,6 @@ static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b
     return (double_reg){vbslq_f64(vreinterpretq_u64_u32(twice), a.v, b.v)};
 }
 
-typedef struct vorder {
-    int flip_x, flip_y;
-    uint8x16_t column; /* byte shuffle that turns a row round where flip_x */
-} vorder;
-
-static inline vorder vorder_make(bool up_x, bool up_y) {
-    const uint8x16_t same = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    const uint8x16_t turned = {12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3};
-    return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, up_x ? same : turned};
-}
-
-static inline float_reg rf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
-    const uint8x16_t in_field_order = vreinterpretq_u8_f32(vld1q_f32(row + (ptrdiff_t)k * step));
-    return (float_reg){vreinterpretq_f32_u8(vqtbl1q_u8(in_field_order, o->column))};
-}
-
 #include "vec_lanes.h"
 
 #endif

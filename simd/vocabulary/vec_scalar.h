@@ -142,18 +142,9 @@ static inline double_reg rd_max(double_reg a, double_reg b) { return (double_reg
 /* Where the lanes of register k in m are set, a, else b. */
 static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b) { return (void)k, m.v ? a : b; }
 
-/* A block of 4 × 4 floats in the order in which a ray of one direction quadrant meets them: lane 4 y + x of the 16
- * is the x-th column from where x is entered and the y-th row from where y is entered. A ray goes through a block
- * along a monotone staircase, so this order is front to back. */
-typedef struct vorder {
-    int flip_x, flip_y; /* 3 where the ray goes down, else 0: number in walk order XOR flip = number in the field */
-} vorder;
-
-static inline vorder vorder_make(bool up_x, bool up_y) { return (vorder){up_x ? 0 : 3, up_y ? 0 : 3}; }
-
-/* Lanes k W to k W + W - 1 of the block whose rows, in walk order, begin step floats apart from row on. */
-static inline float_reg rf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
-    return (float_reg){row[(ptrdiff_t)(k >> 2) * step + (ptrdiff_t)((k & 3) ^ (size_t)o->flip_x)]};
+/* Lanes k W to k W + W - 1 of a block of 4 × 4 floats, by rows, which begin step floats apart from row on. */
+static inline float_reg rf_load_block(const float *row, ptrdiff_t step, size_t k) {
+    return (float_reg){row[(ptrdiff_t)(k >> 2) * step + (ptrdiff_t)(k & 3)]};
 }
 
 #endif

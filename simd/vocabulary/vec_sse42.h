@@ -68,22 +68,6 @@ static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b
     return (double_reg){_mm_blendv_pd(b.v, a.v, _mm_castps_pd(twice))};
 }
 
-typedef struct vorder {
-    int flip_x, flip_y;
-    __m128i column; /* byte shuffle that turns a row round where flip_x */
-} vorder;
-
-static inline vorder vorder_make(bool up_x, bool up_y) {
-    const __m128i same = _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const __m128i turned = _mm_setr_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3);
-    return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, up_x ? same : turned};
-}
-
-static inline float_reg rf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
-    const __m128i in_field_order = _mm_castps_si128(_mm_loadu_ps(row + (ptrdiff_t)k * step));
-    return (float_reg){_mm_castsi128_ps(_mm_shuffle_epi8(in_field_order, o->column))};
-}
-
 #include "vec_lanes.h"
 
 #endif

@@ -241,8 +241,8 @@ CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
     rf_lowest_of_each(lowest, out);
 }
 
-static inline vfloat vf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
-    return (vfloat){rf_load_block(row, step, o, REGISTERS * k) SECOND(, rf_load_block(row, step, o, 2 * k + 1))};
+static inline vfloat vf_load_block(const float *row, ptrdiff_t step, size_t k) {
+    return (vfloat){rf_load_block(row, step, REGISTERS * k) SECOND(, rf_load_block(row, step, 2 * k + 1))};
 }
 
 #undef DOUBLES

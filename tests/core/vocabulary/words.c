@@ -41,8 +41,8 @@ _Static_assert(sizeof(vfloat) == sizeof(float[LANES]) && sizeof(vint) == sizeof(
                    sizeof(vdouble) == sizeof(double[LANES]),
                "vectors hold more than their lanes");
 
-/* A place in memory with room for the rows of a block on both sides. */
-static inline const float *block(const word_in *in, size_t from) { return in->memory + 64 + from; }
+/* A place in memory with room for the rows of a block on both sides, not aligned. */
+static inline const float *block(const word_in *in) { return in->memory + 66; }
 /* The number of the vector in a block, or of the lane if that is all there is. */
 #define BLOCK_PART (LANES == 1 ? in->block_lane : in->block_vector)
 

@@ -33,7 +33,7 @@ typedef struct word_in {
     bool one_bool;
     size_t count;  /* for the first lane; each lane's is one less than that of the lane before, but at least 0 */
     unsigned lane; /* for the first lane: bit k is lane k's */
-    bool up[2];
+    bool up;
     size_t block_vector; /* W lanes each; below 16 / W */
     size_t block_lane;   /* number of the first lane in the block: block_vector W */
     int32_t table[WORD_TABLE];

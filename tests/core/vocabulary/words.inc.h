@@ -74,8 +74,5 @@ WORD(vd_div, GIVES_DOUBLES_NAN, TO_DOUBLES(vd_div(DOUBLES(0), DOUBLES(1))))
 WORD(vd_min, GIVES_DOUBLES, TO_DOUBLES(vd_min(DOUBLES(0), DOUBLES(1))))
 WORD(vd_max, GIVES_DOUBLES, TO_DOUBLES(vd_max(DOUBLES(0), DOUBLES(1))))
 WORD(vd_select, GIVES_DOUBLES, TO_DOUBLES(vd_select(MASK(0), DOUBLES(0), DOUBLES(1))))
-WORD(vorder_make, GIVES_BITS, const vorder o = vorder_make(in->up[0], in->up[1]);
-     TO_FLOATS(vf_load_block(block(in, 2), 8, &o, BLOCK_PART)))
-WORD(vf_load_block, GIVES_BITS, const vorder o = vorder_make(in->up[0], in->up[1]);
-     TO_FLOATS(vf_load_block(block(in, 0), -8, &o, BLOCK_PART)))
+WORD(vf_load_block, GIVES_BITS, TO_FLOATS(vf_load_block(block(in), in->up ? 8 : -8, BLOCK_PART)))
 /* clang-format on */
