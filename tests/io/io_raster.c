@@ -167,6 +167,10 @@ static void systems_in_text(void **state) {
         {"PROJCRS[\"new\",BASEGEOGCRS[\"b\",DATUM[\"d\",ELLIPSOID[\"e\",6378137,298,LENGTHUNIT[\"metre\",1]]]],"
          "CS[Cartesian,2],AXIS[\"x\",east],LENGTHUNIT[\"metre\",1]]",
          "new", false, 1, 6378137},
+        {"PROJCRS[\"by axis\",BASEGEOGCRS[\"b\",DATUM[\"d\",ELLIPSOID[\"e\",6378137,298,LENGTHUNIT[\"metre\",1]]]],"
+         "CONVERSION[\"c\",PARAMETER[\"p\",1,LENGTHUNIT[\"km\",1000]]],CS[Cartesian,2],"
+         "AXIS[\"x\",east,LENGTHUNIT[\"ft\",0.3048]],AXIS[\"y\",north,LENGTHUNIT[\"ft\",0.3048]]]",
+         "by axis", false, 0.3048, 6378137},
         {"no system", "", false, 0, 0},
         {"PROJCS[\"open", "", false, 0, 0},
     };

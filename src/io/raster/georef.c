@@ -108,7 +108,8 @@ bool io_georef_from_wkt(io_georef *georef, const char *wkt) {
     static const char *const geographic[] = {"GEOGCS", "GEOGCRS", "GEOGRAPHICCRS", NULL};
     static const char *const ellipsoid[] = {"SPHEROID", "ELLIPSOID", NULL};
     static const char *const unit[] = {"UNIT", "LENGTHUNIT", "ANGLEUNIT", NULL};
-    int depth = 0, main_depth = 0;
+    static const char *const axis[] = {"AXIS", NULL};
+    int depth = 0, main_depth = 0, unit_depth = 0;
     node n;
     io_georef g = {0};
     for (const char *at = wkt; next_node(&at, &depth, &n);) {
@@ -121,7 +122,10 @@ bool io_georef_from_wkt(io_georef *georef, const char *wkt) {
         } else if (is_one_of(&n, ellipsoid) && numbers(&n, value, 2) && g.semi_major == 0) {
             g.semi_major = value[0];
             g.inverse_flattening = value[1];
-        } else if (main_depth > 0 && n.depth == main_depth + 1 && is_one_of(&n, unit) && numbers(&n, value, 1)) {
+        } else if (main_depth > 0 && n.depth == main_depth + 1 && is_one_of(&n, axis)) {
+            unit_depth = n.depth + 1; /* where one unit of all axes is missing */
+        } else if (main_depth > 0 && (n.depth == main_depth + 1 || n.depth == unit_depth) && g.unit == 0 &&
+                   is_one_of(&n, unit) && numbers(&n, value, 1)) {
             g.unit = value[0];
         }
     }
