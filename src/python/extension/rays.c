@@ -13,6 +13,7 @@ typedef struct tracing {
     const char *at[OPERANDS];
     Py_ssize_t step[OPERANDS];
     bool wide;  /* operands are double, else float */
+    bool user;  /* rays go to the library in user space, as doubles; else as they are, user space being field space */
     cw_run run; /* of a block */
     cw_hit *hits;
     uint8_t *any;
@@ -52,7 +53,6 @@ static void gather(const tracing *t, size_t begin, size_t count, cw_user_ray *to
     }
 }
 
-/* Floats are not widened on the way where user space is field space. */
 static void gather_floats(const tracing *t, size_t begin, size_t count, cw_ray *to) {
     for (size_t k = 0; k < count; k++) {
         memcpy(to[k].org, operand(t, ORIGIN, begin + k), sizeof to[k].org);
@@ -62,25 +62,25 @@ static void gather_floats(const tracing *t, size_t begin, size_t count, cw_ray *
     }
 }
 
-static cw_status trace_block(const tracing *t, size_t begin, size_t count) {
+/* count rays, of which the first is number begin of all. */
+static cw_status trace_rays(const tracing *t, const cw_run *run, const void *rays, size_t begin, size_t count) {
     const cw_field *f = t->field->field;
     cw_hit *hits = t->hits ? t->hits + begin : NULL;
     uint8_t *any = t->any ? t->any + begin : NULL;
-    if (!t->wide && t->field->identity) {
-        cw_ray rays[BLOCK];
-        gather_floats(t, begin, count, rays);
-        return hits ? cw_closest(f, &t->run, rays, count, hits) : cw_occluded(f, &t->run, rays, count, any);
-    }
-    cw_user_ray rays[BLOCK];
-    gather(t, begin, count, rays);
-    return hits ? cw_closest_user(f, &t->run, rays, count, hits) : cw_occluded_user(f, &t->run, rays, count, any);
+    if (t->user) return hits ? cw_closest_user(f, run, rays, count, hits) : cw_occluded_user(f, run, rays, count, any);
+    return hits ? cw_closest(f, run, rays, count, hits) : cw_occluded(f, run, rays, count, any);
 }
 
 static void trace_blocks(void *context, size_t begin, size_t end) {
     tracing *t = context;
+    union {
+        cw_user_ray user[BLOCK];
+        cw_ray floats[BLOCK];
+    } rays;
     while (begin < end) {
         const size_t count = end - begin < BLOCK ? end - begin : BLOCK;
-        const cw_status status = trace_block(t, begin, count);
+        t->user ? gather(t, begin, count, rays.user) : gather_floats(t, begin, count, rays.floats);
+        const cw_status status = trace_rays(t, &t->run, &rays, begin, count);
         if (status != CW_OK) atomic_store(&t->status, (int)status);
         const size_t done = atomic_fetch_add(&t->done, count) + count;
         if (!work_watch(t->work, (double)done / (double)t->n)) return;
@@ -92,18 +92,10 @@ static void trace_blocks(void *context, size_t begin, size_t end) {
 static bool is_packed(const tracing *t) {
     const size_t size = t->wide ? sizeof(double) : sizeof(float);
     static const size_t place[OPERANDS] = {0, 4, 3, 7};
-    if ((uintptr_t)t->at[ORIGIN] % size != 0) return false;
+    if (t->user != t->wide || (uintptr_t)t->at[ORIGIN] % size != 0) return false;
     for (int k = 0; k < OPERANDS; k++)
         if (t->step[k] != (Py_ssize_t)(8 * size) || t->at[k] != t->at[ORIGIN] + place[k] * size) return false;
     return true;
-}
-
-static cw_status trace_packed(const tracing *t, const cw_run *run) {
-    const cw_field *f = t->field->field;
-    const void *rays = t->at[ORIGIN];
-    if (t->wide)
-        return t->hits ? cw_closest_user(f, run, rays, t->n, t->hits) : cw_occluded_user(f, run, rays, t->n, t->any);
-    return t->hits ? cw_closest(f, run, rays, t->n, t->hits) : cw_occluded(f, run, rays, t->n, t->any);
 }
 
 /* Takes n rows of three numbers, or n numbers, with any step between them. */
@@ -129,12 +121,13 @@ static cw_status trace(call *c, bool any) {
     if (out == NULL || c->in_count != OPERANDS) return call_fail(c, "rays: expected four operands");
     t.n = (size_t)c->out[0].len / (any ? 1 : sizeof(cw_hit));
     t.wide = c->in[ORIGIN].itemsize == sizeof(double);
+    t.user = t.wide || !f->identity;
     t.any = any ? out : NULL;
     t.hits = any ? NULL : out;
     for (int k = 0; k < OPERANDS; k++)
         if (!take_operand(c, &t, k)) return CW_ERROR_ARGUMENT;
     if (t.n == 0) return CW_OK;
-    if (is_packed(&t) && (t.wide || f->identity)) return trace_packed(&t, &c->work.run);
+    if (is_packed(&t)) return trace_rays(&t, &c->work.run, t.at[ORIGIN], 0, t.n);
     t.run.pool = NULL;
     t.run.watch = NULL;
     /* A pool's threads are woken only for as many rays as the library wakes them for. */
