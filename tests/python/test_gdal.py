@@ -4,8 +4,9 @@ import subprocess
 import sys
 
 ADDRESS = "MEM:::DATAPOINTER=1,PIXELS=4,LINES=4,DATATYPE=Float32"
-TEXT = ('<VRTDataset rasterXSize="4" rasterYSize="4"><VRTRasterBand dataType="Float32" band="1"><SimpleSource>'
-        f"<SourceFilename>{ADDRESS}</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>")
+REMOTE = "/vsicurl/http://127.0.0.1:1/a.tif"
+TEXT, NET = (f'<VRTDataset rasterXSize="4" rasterYSize="4"><VRTRasterBand dataType="Float32" band="1"><SimpleSource><SourceFilename>{name}'
+             "</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>" for name in (ADDRESS, REMOTE))
 
 
 def python(code, folder):
@@ -15,10 +16,13 @@ def python(code, folder):
     return done.stdout
 
 
-NAMES = [ADDRESS, ADDRESS.lower(), "DERIVED_SUBDATASET:AMPLITUDE:" + ADDRESS, "vrt://" + ADDRESS, TEXT, " " + TEXT, "/dev/zero", "pipe"]
+NAMES = [ADDRESS, ADDRESS.lower(), "DERIVED_SUBDATASET:AMPLITUDE:" + ADDRESS, "vrt://" + ADDRESS, TEXT, " " + TEXT, "/dev/zero", "pipe",
+         REMOTE, REMOTE[9:], "net.vrt", "/vsis3/a/b.tif"]
 
 
 def test_names_are_files(tmp_path):
+    """And messages name no options of the program."""
+    (tmp_path / "net.vrt").write_text(NET)
     said = python(f"""
 import cellwalk, os
 os.mkfifo("pipe")
@@ -27,7 +31,7 @@ for name in {NAMES!r}:
     try:
         cellwalk.open(name).z
     except OSError as error:
-        assert "cannot read" in str(error) and "--allow-network" not in str(error), error
+        assert "cannot read" in str(error) and "--" not in str(error), error
         print("refused")
 """, tmp_path)
     assert said.count("refused\n") == len(NAMES)

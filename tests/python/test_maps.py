@@ -183,15 +183,6 @@ def test_max_distance(tool, maps, tmp_path):
         assert near.sum() > 20000
 
 
-def test_sky_and_python(tool, maps, tmp_path):
-    """The same bits from Python."""
-    for name in ("utm", "mercator", "feet"):
-        out = tmp_path / f"{name}.tif"
-        tool("horizon", maps[name], "--directions", "16", "--svf", "-o", out)
-        with rasterio.open(out) as file:
-            assert file.read(1).tobytes() == cw.open(maps[name]).sky_view(16).tobytes()
-
-
 def test_a_scale_that_changes_fast(tool, maps, tmp_path):
     z = np.zeros((40, 40), "float32")
     path = write(tmp_path / "tall.tif", z, "EPSG:3857", Affine(5000, 0, 1e6, 0, -5000, 6e6))
@@ -278,14 +269,6 @@ WARNED = {
     "rounded": (lambda z: cw.Field(z + 1e9, METRES), "up to 1e.09 are rounded to multiples of 64"),
     "night": (lambda z: cw.Field(z, METRES).shadow(200, -3), "sun is at -3.000 degrees, below the horizon"),
 }
-REFUSED = {
-    "GDAL's order": (lambda z: cw.Field(z, (600000, 10, 0, 5200000, 0, -10)), "Affine.from_gdal"),
-    "GDAL's degrees": (lambda z: cw.Field(z, (10.5, 1 / 1200, 0, 47.25, 0, -1 / 1200)), "Affine.from_gdal"),
-    "two heights of the sun's place": (lambda z: cw.Field(z, METRES).sun_days(6e5 + 75, 5.2e6 - 75, "2024-06-21", height=2.0, elevation=9, lon_lat=(9, 47)),
-                                       "^height: goes without elevation"),
-    "two heights of a horizon": (lambda z: cw.Field(z, METRES).horizon_at(6e5 + 75, 5.2e6 - 75, 2.0, elevation=9), "^height: goes without elevation"),
-    "two heights": (lambda z: cw.Field(z, METRES).viewshed(6e5 + 75, 5.2e6 - 75, 2.0, observer_elevation=9), "^observer_height: goes without"),
-}
 
 
 @pytest.mark.parametrize("name", WARNED)
@@ -301,13 +284,6 @@ def test_what_looks_wrong(name):
         cw.Field(z, METRES).shadow(200, 3)
         cw.Field(z, DEGREES, "EPSG:4326")
         cw.Field(np.where(z > 2, z, -9999), METRES, nodata=-9999)
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_is_refused(name):
-    make, words = REFUSED[name]
-    with pytest.raises(ValueError, match=words):
-        make(np.arange(25.0).reshape(5, 5))
 
 
 def test_rounded_heights_in_the_program(program, tmp_path):

@@ -4,7 +4,6 @@ import errno
 import os
 import pathlib
 import resource
-import stat
 import subprocess
 import sys
 
@@ -72,17 +71,6 @@ def test_names_of_unfinished_files_are_left_alone():
     assert {name: after.pop(name) for name in before} == before
     assert sorted(after) == ["a.tif", "b.tif", "c.tif"]
     same(content("c.tif"), cw.open("c.tif.part").shadow())
-
-
-def test_links_are_followed_to_their_end():
-    os.mkdir("elsewhere")
-    pathlib.Path("elsewhere/old.tif").write_text("old")
-    os.link("elsewhere/old.tif", "second.tif")
-    os.symlink("elsewhere/old.tif", "link.tif")
-    cwd.to_geotiff(result(values()), "link.tif")
-    assert os.path.islink("link.tif") and pathlib.Path("second.tif").read_text() == "old"
-    same(content("elsewhere/old.tif"), values())
-    assert os.listdir("elsewhere") == ["old.tif"]
 
 
 def test_an_input_is_not_replaced():
@@ -177,36 +165,6 @@ def test_a_failing_chunk_changes_nothing(failure):
         with pytest.raises(failure):
             cwd.to_geotiff(result(values()).map_blocks(fail, dtype=np.float32), name)
     assert os.listdir(".") == ["a.tif"] and pathlib.Path("a.tif").read_text() == "old"
-
-
-@pytest.mark.parametrize("mode", [0o600, 0o640, 0o4777, 0o2755])
-def test_rights_are_those_of_the_old_file(mode):
-    pathlib.Path("a.tif").write_text("old")
-    if os.geteuid() == 0:  # another user's
-        os.chown("a.tif", 65534, 12345)
-    before = os.stat("a.tif")
-    os.chmod("a.tif", mode)
-    cwd.to_geotiff(result(values()), "a.tif")
-    after = os.stat("a.tif")
-    assert stat.S_IMODE(after.st_mode) == mode & 0o777 and (after.st_uid, after.st_gid) == (before.st_uid, before.st_gid)
-
-
-def test_sidecars_go_with_the_old_file():
-    sidecars = ["a.tif.ovr", "a.tif.aux.xml", "a.tif.msk", "a.tfw"]
-    cwd.to_geotiff(result(values()), "a.tif")
-    pathlib.Path("kept").write_text("kept")
-    for name in sidecars[1:]:
-        pathlib.Path(name).write_text("old")
-    os.symlink("kept", sidecars[0])
-    cwd.to_geotiff(result(values(2)), "a.tif")
-    assert sorted(os.listdir(".")) == ["a.tif", "kept"]
-    os.unlink("a.tif")
-    for name in sidecars:
-        pathlib.Path(name).write_text("old")
-        with pytest.raises(OSError, match=f"{name}, left of another file, would be read with it"):
-            cwd.to_geotiff(result(values()), "a.tif")
-        assert sorted(os.listdir(".")) == sorted([name, "kept"])
-        os.unlink(name)
 
 
 def test_names_are_only_names():

@@ -181,16 +181,6 @@ def test_pickles_are_of_the_same_field(tmp_path):
         pickle.dumps(part)
 
 
-def test_messages_name_no_options_of_the_program(tmp_path):
-    (tmp_path / "net.vrt").write_text(
-        '<VRTDataset rasterXSize="9" rasterYSize="9"><VRTRasterBand dataType="Float32" band="1"><SimpleSource><SourceFilename>'
-        '/vsicurl/http://127.0.0.1:1/a.tif</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>')
-    for path in ("/vsicurl/http://127.0.0.1:1/a.tif", "http://127.0.0.1:1/a.tif", str(tmp_path / "net.vrt"), "/vsis3/a/b.tif"):
-        with pytest.raises(OSError) as raised:
-            cw.open(path)
-        assert "--" not in str(raised.value)
-
-
 def test_spawn(tmp_path):
     np.save(tmp_path / "z.npy", Z)
     field = cw.open(tmp_path / "z.npy")

@@ -297,18 +297,6 @@ def test_suns_of_a_list_are_those_of_shadows(ground):
     d = f.sun_days(x, y, suns=SUNS, tilt="ground")
     assert d.hours[0] == pytest.approx(total[j, i]) and d.direct[0] == pytest.approx(light[j, i], rel=1e-4)
     assert d.free_hours[0] == sum(weight for _, altitude, weight in SUNS if altitude > 0) and np.isnat(d.day[0])
-    for wrong, why in (([(1, 91)], "altitudes from -90"), ([1, 2], "shape"), ([(1, np.nan)], "finite"), (np.empty((0, 3)), "shape")):
-        with pytest.raises(ValueError, match=f"^suns: .*{why}"):
-            f.insolation(suns=wrong)
-    with pytest.raises(ValueError, match="^suns: goes without date"):
-        f.insolation("2024", suns=SUNS)
-
-
-def test_lines_of_observers_that_are_refused():
-    f = cw.Field(np.zeros((9, 9), "float32"))
-    for every, x, why in ((0, [1, 8], "metres above 0"), (1, 3, "two corners"), (1e-9, [1, 8], "every: there are more"), (1e-4, [1, 8], "at most 65534")):
-        with pytest.raises(ValueError, match=why):
-            f.viewshed(x, 1, every=every)
 
 
 def test_sun_days_without_hills():

@@ -145,11 +145,6 @@ def test_packed_floats_with_wider_ends():
         same_hits(FIELD.closest(rays, tmax=end), FIELD.closest(rays[:, :3], rays[:, 3:], tmax=end))
 
 
-def test_wrong_kernel():
-    with pytest.raises(ValueError, match="kernel: 'no-such'"):
-        FIELD.closest([0, 0, 9], [0, 0, -1], kernel="no-such")
-
-
 def test_points_and_normals():
     h = MAPPED.closest(random_rays(MAPPED, 500))
     points = h.points()

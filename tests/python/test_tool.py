@@ -26,20 +26,33 @@ def place(field, across=0.37, down=0.61):
     return x0 + across * (x1 - x0), y0 + down * (y1 - y0)
 
 
+def same_as_traced(h, wanted):
+    assert 0 < h.hit.mean() < 0.95
+    for name in ("t", "u", "v", "i", "j"):
+        same(getattr(h, name), wanted[name])
+    assert (h.triangle == wanted["triangle"]).all()
+
+
 def test_closest_user(tool, ground, tmp_path):
     rays = random_rays(ground.field, 20000)
     np.save(tmp_path / "rays.npy", rays)
     tool("trace", ground.path, tmp_path / "rays.npy", "--user", "--points", "--normals", "-o", tmp_path / "hits.npy")
     wanted = np.load(tmp_path / "hits.npy")
     h = ground.field.closest(rays)
-    assert 0.2 < h.hit.mean() < 0.95
-    for name in ("t", "u", "v", "i", "j"):
-        same(getattr(h, name), wanted[name])
-    assert (h.triangle == wanted["triangle"]).all()
+    same_as_traced(h, wanted)
     same(h.points(), np.stack([wanted[n] for n in ("x", "y", "z")], -1))
     same(h.normals().astype(np.float32), np.stack([wanted[n] for n in ("nx", "ny", "nz")], -1))
     tool("trace", ground.path, tmp_path / "rays.npy", "--user", "--occluded", "-o", tmp_path / "any.npy")
     same(ground.field.occluded(rays).view(np.uint8), np.load(tmp_path / "any.npy"))
+
+
+def test_closest_floats(tool, tmp_path):
+    z = real_dem()["elevation"].astype(np.float32)
+    rays = random_rays(cw.Field(z), 20000, dtype=np.float32)
+    np.save(tmp_path / "z.npy", z)
+    np.save(tmp_path / "rays.npy", rays)
+    tool("trace", tmp_path / "z.npy", tmp_path / "rays.npy", "-o", tmp_path / "hits.npy")
+    same_as_traced(cw.Field(z).closest(rays), np.load(tmp_path / "hits.npy"))
 
 
 @pytest.mark.parametrize("name", ["mean", "highest", "lowest"])
@@ -60,20 +73,6 @@ def test_coarser(tool, ground, tmp_path, name):
     assert (field.difference.below == 0) == (name == "highest") and (field.difference.above == 0) == (name == "lowest")
     column, row = 12, 9
     same(field.at(*field.map[:2] @ (column, row, 0, 1)), full.coarser(3, name).at(*full.map[:2] @ (3 * column, 3 * row, 0, 1)))
-
-
-def test_closest_floats(tool, tmp_path):
-    z = real_dem()["elevation"].astype(np.float32)
-    field = cw.Field(z)
-    rays = random_rays(field, 20000, dtype=np.float32)
-    np.save(tmp_path / "z.npy", z)
-    np.save(tmp_path / "rays.npy", rays)
-    tool("trace", tmp_path / "z.npy", tmp_path / "rays.npy", "-o", tmp_path / "hits.npy")
-    wanted = np.load(tmp_path / "hits.npy")
-    h = field.closest(rays)
-    assert h.hit.any() and not h.hit.all()
-    for name in ("t", "u", "v", "i", "j"):
-        same(getattr(h, name), wanted[name])
 
 
 def test_sun(tool, ground, tmp_path):
