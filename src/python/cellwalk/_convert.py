@@ -4,8 +4,10 @@ changed. Messages say argument, shape and value."""
 
 from __future__ import annotations
 
+import functools
 import importlib
 import math
+import os
 import sys
 import warnings
 from typing import Any, Callable, NamedTuple, Optional
@@ -23,6 +25,17 @@ def progress_call(progress) -> Optional[Callable[[float], object]]:
         return progress
     total = progress.total or 1
     return lambda share: progress.update(share * total - progress.n)
+
+
+@functools.lru_cache(maxsize=2)
+def _pool(threads: int, process: int):
+    """Threads cost too much to start for each call. So the two pools used last stay, and others go once nothing runs on them. A child
+    that was forked makes its own."""
+    return _cellwalk.make_pool(threads)
+
+
+def pool_of(threads: int):
+    return None if threads == 1 else _pool(threads, os.getpid())
 
 
 # ---- maps -----------------------------------------------------------------------------------------------------------------
@@ -243,6 +256,16 @@ def coarser_like(like, affine, samples, factor):
                               first + step * place)
             coords[name] = xarray.Variable((name,), values, old.attrs)
     return xarray.DataArray(samples, coords, like.dims, like.name, like.attrs)
+
+
+def dress(like, data, name: str, attrs: dict[str, Any], lead: Optional[tuple[str, Any]] = None):
+    """Data as a DataArray like another one; lead: a dimension before its own, and the values there."""
+    keep = {key: like.attrs[key] for key in ("grid_mapping", "crs") if key in like.attrs}
+    if lead is not None:
+        like = like.expand_dims(dict([lead]))
+    out = like.copy(deep=False, data=data)
+    out.name, out.attrs, out.encoding = name, {**attrs, **keep}, {}
+    return out
 
 
 def _crs_of_dataarray(z):

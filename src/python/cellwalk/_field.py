@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
 import numpy as np
 
 from . import _cellwalk
-from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, map_of_file, nodata_of, numbers, progress_call, read_crs, read_source, samples_of, scale_of, warn_of_heights
+from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, map_of_file, nodata_of, numbers, pool_of, progress_call, read_crs, read_source, samples_of, scale_of, warn_of_heights
 from ._hits import Hits, _dtype
 from ._products import Products
 from ._rays import rays_of
@@ -113,7 +113,7 @@ class Field(Products):
         def make(samples):
             return _cellwalk.Field(samples, columns, rows, np.ascontiguousarray(self._source.map), known.geographic,
                                    not self._source.placed, known.unit,
-                                   known.semi_major, known.inverse_flattening, self._threads, progress_call(progress),
+                                   known.semi_major, known.inverse_flattening, pool_of(self._threads), progress_call(progress),
                                    *(() if self._whole is None else (self._whole,)))
 
         try:

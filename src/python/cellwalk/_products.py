@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _cellwalk, _plans
-from ._convert import Source, finite, progress_call, warn
+from ._convert import Source, dress, finite, pool_of, progress_call, warn
 
 if TYPE_CHECKING:
     import datetime
@@ -101,21 +101,6 @@ class Sites(NamedTuple):
     farthest_at: np.ndarray
 
 
-def _result(field, data, name, attrs, every=1, **axis):
-    """Data as a DataArray if the field was made of one; of every so many rows and columns."""
-    like = field._source.like
-    if like is None:
-        return data
-    if every > 1:
-        like = like[::every, ::every]
-    keep = {key: like.attrs[key] for key in ("grid_mapping", "crs") if key in like.attrs}
-    for key, values in axis.items():
-        like = like.expand_dims({key: values})
-    out = like.copy(deep=False, data=data)
-    out.name, out.attrs, out.encoding = name, {**attrs, **keep}, {}
-    return out
-
-
 class Products:
     """Methods of Field, which has these members."""
     _ground: _cellwalk.Field
@@ -131,8 +116,8 @@ class Products:
     def _call(self, name: str, numbers: dict[str, float], inputs: tuple, outputs: tuple, progress=None, *, threads: int | None = None,
               window: _cellwalk._Window = (0, 0, 0, 0), core: _cellwalk.Field | None = None, kernel: str | None = None) -> None:
         """One call of the extension: of the ground, or of the field's core, whose map need not have a way back."""
-        (self._ground if core is None else core).make(name, numbers, window, inputs, outputs, self._threads if threads is None else threads,
-                                                      progress_call(progress), kernel)
+        pool = pool_of(self._threads if threads is None else threads)
+        (self._ground if core is None else core).make(name, numbers, window, inputs, outputs, pool, progress_call(progress), kernel)
 
     def _rows(self, plan: _plans.Plan, window: _cellwalk._Window | None = None, progress=None) -> np.ndarray:
         """The plan's product of all samples, or of a window's."""
@@ -141,9 +126,13 @@ class Products:
         self._call(plan.make, plan.numbers, plan.inputs, (out,), progress, window=window)
         return out
 
+    def _dress(self, plan: _plans.Plan, data: np.ndarray) -> Any:
+        """Data as a DataArray if the field was made of one."""
+        like, every = self._source.like, int(plan.numbers.get("every", 1))
+        return data if like is None else dress(like[::every, ::every], data, plan.name, plan.attrs, plan.lead)
+
     def _product(self, plan: _plans.Plan, progress=None) -> Any:
-        data = self._rows(plan, None, progress)
-        return _result(self, data, plan.name, plan.attrs, int(plan.numbers.get("every", 1)), **dict([plan.lead] if plan.lead else ()))
+        return self._dress(plan, self._rows(plan, None, progress))
 
     def sun(self, time: Time) -> Sun:
         """Where the sun stands at a time over the middle of the field, its azimuth from the map's north. For the light that falls on
@@ -364,7 +353,7 @@ class Products:
         elif kind == "needed_absolute":
             metres = self._source.map[2, 2] * (1.0 if self._source.crs.geographic else self._source.crs.unit or 1.0)
             data = (data + self._samples.astype(np.float64) * metres).astype(np.float32)
-        return _result(self, data, plan.name, plan.attrs, **dict([plan.lead] if plan.lead else ()))
+        return self._dress(plan, data)
 
     def sites(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike | None = None, target_height: float = 0.0,
               max_distance: float | None = None, *, observer_elevation: ArrayLike | None = None, curvature: float | None = None,

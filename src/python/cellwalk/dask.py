@@ -32,7 +32,7 @@ import dask.array as da
 import numpy as np
 
 from . import _cellwalk, _plans
-from ._convert import Crs, Source, count, describe_dataarray, finite, map_of_file, nodata_of, samples_of, scale_of
+from ._convert import Crs, Source, count, describe_dataarray, dress, finite, map_of_file, nodata_of, samples_of, scale_of
 from ._field import Field, open as open_field
 
 # A task's samples, as they are read and as the field has them, and the field's bounds over them.
@@ -135,13 +135,13 @@ def _reach_of(g: _plans.Site):
     max_distance; "grown" to at least 2 rows and columns, which a field needs; the part "around" a place that a viewshed examines, without
     rows if there is none; "sunward" all that can throw a shadow on it."""
     raster = _cellwalk.Field(None, g.columns, g.rows, np.array(g.map), g.crs.geographic, not g.placed, g.crs.unit, g.crs.semi_major,
-                             g.crs.inverse_flattening, 1, None)
+                             g.crs.inverse_flattening, None, None)
     if g.scale:
         raster.scale(g.scale)
 
     def ask(what: str, window=(0, 0, 0, 0), inputs=(), **numbers: float) -> _Window:
         out = np.empty(4)
-        raster.make(what, numbers, tuple(window), inputs, (out,), 1, None)
+        raster.make(what, numbers, tuple(window), inputs, (out,), None, None)
         return _Window(*map(int, out))
     return ask
 
@@ -260,12 +260,7 @@ class _Raster:
                 return array
             like = xarray.DataArray(array if lead is None else array[0], dims=("y", "x"), coords={
                 "y": m[1][3] + m[1][1] * np.arange(self.site.rows), "x": m[0][3] + m[0][0] * np.arange(self.site.columns)})
-        keep = {key: like.attrs[key] for key in ("grid_mapping", "crs") if key in like.attrs}
-        if lead is not None:
-            like = like.expand_dims(dict([lead]))
-        out = like.copy(deep=False, data=array)
-        out.name, out.attrs, out.encoding = name, {**attrs, **keep}, {}
-        return out
+        return dress(like, array, name, attrs, lead)
 
 
 class _Reading(TypedDict, total=False):

@@ -101,7 +101,7 @@ static bool enter(py_field *f, call_needs needs) {
 static void leave(py_field *f, call_needs needs) { f->users += needs == ALL ? 1 : -1; }
 
 /* Builds the structure of a kernel if the field lacks it. Must not run beside queries. */
-static bool make_ready(py_field *f, unsigned threads, const char *kernel, PyObject *progress) {
+static bool make_ready(py_field *f, PyObject *pool, const char *kernel, PyObject *progress) {
     const cw_run run = {.expert.kernel = cw_kernel_find(kernel)};
     work w;
     if (f->field == NULL || f->users < 0 || cw_run_check(f->field, &run) != CW_ERROR_NOT_BUILT) return true;
@@ -111,7 +111,7 @@ static bool make_ready(py_field *f, unsigned threads, const char *kernel, PyObje
     }
     f->users = -1;
     const bool good =
-        work_begin(&w, threads, kernel, progress) && work_end(&w, cw_field_build(f->field, &w.run), "kernel");
+        work_begin(&w, pool, kernel, progress) && work_end(&w, cw_field_build(f->field, &w.run), "kernel");
     f->users = 0;
     return good;
 }
@@ -150,8 +150,8 @@ static const entry *find_product(const char *name) {
     return NULL;
 }
 
-static bool run(call *c, const entry *e, unsigned threads, const char *kernel, PyObject *progress) {
-    if (!work_begin(&c->work, threads, kernel, progress)) return false;
+static bool run(call *c, const entry *e, PyObject *pool, const char *kernel, PyObject *progress) {
+    if (!work_begin(&c->work, pool, kernel, progress)) return false;
     const cw_status status = e->make(c);
     if (!work_end(&c->work, c->error[0] ? CW_OK : status, e->name)) return false;
     return !c->error[0] || refuse(PyExc_ValueError, c->error);
@@ -160,11 +160,10 @@ static bool run(call *c, const entry *e, unsigned threads, const char *kernel, P
 PyObject *field_make(PyObject *self, PyObject *arguments) {
     call c = {.field = (py_field *)self};
     const char *name, *kernel = NULL;
-    PyObject *given, *inputs, *outputs, *progress;
+    PyObject *given, *inputs, *outputs, *pool, *progress;
     Py_ssize_t window[4];
-    unsigned threads;
-    if (!PyArg_ParseTuple(arguments, "sO!(nnnn)O!O!IO|z:make", &name, &PyDict_Type, &given, &window[0], &window[1],
-                          &window[2], &window[3], &PyTuple_Type, &inputs, &PyTuple_Type, &outputs, &threads, &progress,
+    if (!PyArg_ParseTuple(arguments, "sO!(nnnn)O!O!OO|z:make", &name, &PyDict_Type, &given, &window[0], &window[1],
+                          &window[2], &window[3], &PyTuple_Type, &inputs, &PyTuple_Type, &outputs, &pool, &progress,
                           &kernel))
         return NULL;
     forget_other_process(c.field);
@@ -172,9 +171,9 @@ PyObject *field_make(PyObject *self, PyObject *arguments) {
     bool good = e != NULL && take_numbers(given, &c.n) && take_window(c.field, window, &c.at) &&
                 take_buffers(inputs, PyBUF_STRIDED_RO, c.in, &c.in_count) &&
                 take_buffers(outputs, PyBUF_WRITABLE, c.out, &c.out_count) &&
-                (kernel == NULL || make_ready(c.field, threads, kernel, progress));
+                (kernel == NULL || make_ready(c.field, pool, kernel, progress));
     if (good && (good = enter(c.field, e->needs))) {
-        good = run(&c, e, threads, kernel, progress);
+        good = run(&c, e, pool, kernel, progress);
         leave(c.field, e->needs);
     }
     while (c.in_count > 0) PyBuffer_Release(&c.in[--c.in_count]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* All that a field is asked: Field.make(name, numbers, window, inputs, outputs, threads, progress[, kernel]). Python checks and names
+/* All that a field is asked: Field.make(name, numbers, window, inputs, outputs, pool, progress[, kernel]). Python checks and names
  * the numbers; a product here picks those that it has a use for. */
 #ifndef CELLWALK_PYTHON_CALL_H
 #define CELLWALK_PYTHON_CALL_H

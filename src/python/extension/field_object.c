@@ -51,20 +51,19 @@ static bool place(const py_field *f, terrain *t, const double map[3][4], terrain
     return cw_terrain_init(t, &d);
 }
 
-/* Field(samples or None, nx, ny, map, geographic, north_up, unit, semi_major, inverse_flattening, threads, progress[,
+/* Field(samples or None, nx, ny, map, geographic, north_up, unit, semi_major, inverse_flattening, pool, progress[,
  * (columns, rows, column, row, map) of the raster that the samples are a window of]) */
 static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *keywords) {
-    PyObject *samples, *progress;
+    PyObject *samples, *pool, *progress;
     Py_buffer map = {0}, whole_map = {0};
     Py_ssize_t nx, ny, columns = 0, rows = 0, column = 0, row = 0;
     int geographic, north_up;
-    unsigned threads;
     double whole[3][4];
     terrain_desc d = {0};
     work w;
     (void)keywords;
-    if (!PyArg_ParseTuple(arguments, "Onny*ppdddIO|(nnnny*):Field", &samples, &nx, &ny, &map, &geographic, &north_up,
-                          &d.unit, &d.semi_major, &d.inverse_flattening, &threads, &progress, &columns, &rows, &column,
+    if (!PyArg_ParseTuple(arguments, "Onny*ppdddOO|(nnnny*):Field", &samples, &nx, &ny, &map, &geographic, &north_up,
+                          &d.unit, &d.semi_major, &d.inverse_flattening, &pool, &progress, &columns, &rows, &column,
                           &row, &whole_map))
         return NULL;
     py_field *f = (py_field *)PyType_GenericAlloc(type, 0);
@@ -80,7 +79,7 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
         f->identity = is_identity(f->map);
         good = take_samples(f, samples);
     }
-    if (good && samples != Py_None) good = work_begin(&w, threads, NULL, progress) && work_end(&w, make(f, &w), "z");
+    if (good && samples != Py_None) good = work_begin(&w, pool, NULL, progress) && work_end(&w, make(f, &w), "z");
     if (!good) {
         Py_XDECREF((PyObject *)f);
         return NULL;

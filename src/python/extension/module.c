@@ -5,6 +5,7 @@
 #include "extension.h"
 #include "reach.h"
 #include "sun.h"
+#include "work.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -54,10 +55,15 @@ static PyObject *parse_time(PyObject *self, PyObject *arguments) {
 }
 
 static PyMethodDef functions[] = {
-    {"kernels", list_kernels, METH_NOARGS, NULL},   {"suns", suns, METH_VARARGS, NULL},
-    {"parse_time", parse_time, METH_VARARGS, NULL}, {"describe_crs", describe_crs, METH_VARARGS, NULL},
-    {"locate", locate, METH_VARARGS, NULL},         {"read_raster", read_raster, METH_VARARGS, NULL},
-    {"find_scale", find_scale, METH_VARARGS, NULL}, {NULL, NULL, 0, NULL},
+    {"kernels", list_kernels, METH_NOARGS, NULL},
+    {"suns", suns, METH_VARARGS, NULL},
+    {"parse_time", parse_time, METH_VARARGS, NULL},
+    {"describe_crs", describe_crs, METH_VARARGS, NULL},
+    {"make_pool", make_pool, METH_VARARGS, NULL},
+    {"locate", locate, METH_VARARGS, NULL},
+    {"read_raster", read_raster, METH_VARARGS, NULL},
+    {"find_scale", find_scale, METH_VARARGS, NULL},
+    {NULL, NULL, 0, NULL},
 };
 
 /* cellwalk/_hits.py has them as a NumPy dtype. */

@@ -116,7 +116,7 @@ PyObject *read_raster(PyObject *self, PyObject *arguments) {
     io_raster raster;
     io_error error = {""};
     PyObject *answer = NULL;
-    if (r.warnings != NULL && work_begin(&r.work, 1, NULL, progress)) {
+    if (r.warnings != NULL && work_begin(&r.work, Py_None, NULL, progress)) {
         pthread_mutex_lock(&door);
         const bool good = io_raster_read(path, &o, &raster, &error);
         pthread_mutex_unlock(&door);
@@ -146,7 +146,7 @@ PyObject *find_scale(PyObject *self, PyObject *arguments) {
     io_georef georef = {0};
     PyObject *nodes = NULL;
     reading r = {.warnings = PyList_New(0)};
-    if (r.warnings != NULL && work_begin(&r.work, 1, NULL, Py_None)) {
+    if (r.warnings != NULL && work_begin(&r.work, Py_None, NULL, Py_None)) {
         pthread_mutex_lock(&door);
         georef.placed = io_georef_from_wkt(&georef, wkt);
         good = rows >= 2 && columns >= 2 &&

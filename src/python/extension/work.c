@@ -4,73 +4,10 @@
 #include "cellwalk_expert.h"
 #include "clock.h"
 
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Seconds between two looks for signals. */
 static const double look_after = 0.05;
-
-/* Threads cost too much to start for each call. So the pools used last stay, and others go once nothing runs on them. A
- * child that was forked makes its own. Guarded by the GIL. */
-enum { KEPT_MOST = 2 };
-
-struct kept_pool {
-    unsigned threads, users;
-    pid_t process;
-    cw_pool *pool;
-    struct kept_pool *next;
-};
-
-static struct kept_pool *pools; /* the one used last first */
-
-static void drop_pools(void) {
-    const pid_t process = getpid();
-    unsigned kept = 0;
-    for (struct kept_pool **at = &pools; *at != NULL;) {
-        struct kept_pool *p = *at;
-        kept += p->process == process;
-        if (p->users > 0 || (p->process == process && kept <= KEPT_MOST)) {
-            at = &p->next;
-        } else {
-            *at = p->next;
-            cw_pool_destroy(p->pool);
-            free(p);
-        }
-    }
-}
-
-static cw_status take_pool(work *w, unsigned threads) {
-    const pid_t process = getpid();
-    struct kept_pool **at = &pools;
-    if (threads == 1) return CW_OK;
-    while (*at != NULL && ((*at)->threads != threads || (*at)->process != process)) at = &(*at)->next;
-    struct kept_pool *p = *at;
-    if (p != NULL) {
-        *at = p->next;
-    } else {
-        p = malloc(sizeof *p);
-        if (p == NULL) return CW_ERROR_MEMORY;
-        *p = (struct kept_pool){.threads = threads, .process = process};
-        const cw_status status = cw_pool_create(threads, &p->pool);
-        if (status != CW_OK) {
-            free(p);
-            return status;
-        }
-    }
-    p->next = pools;
-    p->users++;
-    pools = w->kept = p;
-    w->run.pool = p->pool;
-    return CW_OK;
-}
-
-static void leave_pool(work *w) {
-    if (w->kept == NULL) return;
-    w->kept->users--;
-    w->kept = NULL;
-    drop_pools();
-}
 
 /* The exception for a status, with the library's message of the last failure on this thread. */
 static void raise_status(cw_status status, const char *call) {
@@ -81,18 +18,29 @@ static void raise_status(cw_status status, const char *call) {
     PyErr_Format(kind, "%s: %s", call, detail[0] ? detail : cw_status_message(status));
 }
 
-bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progress) {
+static const char pool_name[] = "cw_pool";
+
+static void destroy_pool(PyObject *capsule) { cw_pool_destroy(PyCapsule_GetPointer(capsule, pool_name)); }
+
+PyObject *make_pool(PyObject *self, PyObject *arguments) {
+    unsigned threads;
+    cw_pool *pool = NULL;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "I:make_pool", &threads)) return NULL;
+    const cw_status status = cw_pool_create(threads, &pool);
+    if (status != CW_OK) raise_status(status, "threads");
+    PyObject *capsule = pool ? PyCapsule_New(pool, pool_name, destroy_pool) : NULL;
+    if (capsule == NULL) cw_pool_destroy(pool);
+    return capsule;
+}
+
+bool work_begin(work *w, PyObject *pool, const char *kernel, PyObject *progress) {
     memset(w, 0, sizeof *w);
-    const cw_status status = take_pool(w, threads);
-    if (status != CW_OK) {
-        raise_status(status, "threads");
-        return false;
-    }
+    if (pool != Py_None && (w->run.pool = PyCapsule_GetPointer(pool, pool_name)) == NULL) return false;
     if (kernel != NULL) {
         w->run.expert.kernel = cw_kernel_find(kernel);
         if (!cw_kernel_exists(w->run.expert.kernel)) {
             PyErr_Format(PyExc_ValueError, "kernel: '%s' is none of cellwalk.kernels()", kernel);
-            leave_pool(w);
             return false;
         }
     }
@@ -137,7 +85,6 @@ bool work_part(work *w, double begin, double share) {
 
 bool work_end(work *w, cw_status status, const char *call) {
     PyEval_RestoreThread(w->state);
-    leave_pool(w);
     if (atomic_load(&w->stopped)) return false;
     if (status != CW_OK) {
         raise_status(status, call);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How a call from Python runs: without the GIL, on a pool that fields share, under a watch that looks for Ctrl-C
- * and tells a progress callable. */
+/* How a call from Python runs: without the GIL, on a pool, under a watch that looks for Ctrl-C and tells a progress callable. */
 #ifndef CELLWALK_PYTHON_WORK_H
 #define CELLWALK_PYTHON_WORK_H
 
@@ -13,7 +12,6 @@
 
 typedef struct work {
     cw_run run; /* pool, kernel and watch are set */
-    struct kept_pool *kept;
     PyObject *progress;
     PyThreadState *state;
     pthread_t caller;
@@ -22,9 +20,12 @@ typedef struct work {
     atomic_bool stopped; /* an exception is set */
 } work;
 
-/* Makes w ready and releases the GIL. progress is None or a callable; kernel is NULL or a name. False with an
- * exception set. */
-bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progress);
+/* make_pool(threads) -> a capsule, whose threads end with it */
+PyObject *make_pool(PyObject *self, PyObject *arguments);
+
+/* Makes w ready and releases the GIL. pool is None or a capsule that stays, progress None or a callable, kernel NULL or a name. False
+ * with an exception set. */
+bool work_begin(work *w, PyObject *pool, const char *kernel, PyObject *progress);
 
 /* Takes the GIL back. False, with an exception that names the call, unless status is CW_OK and nothing stopped the
  * work. */
