@@ -206,6 +206,9 @@ def test_open(tmp_path):
     same_hits(ask(pickle.loads(pickle.dumps(field))), ask(field))
     field.update(0, 0, np.zeros((2, 2)))  # a mapped file stays as it is
     same(np.load(tmp_path / "z.npy"), z)
+    np.save(tmp_path / "low.npy", np.where(z > 0, z, -9999))
+    with pytest.warns(UserWarning, match="which often stands for no data; nodata=-9999 makes them holes"):
+        cw.open(tmp_path / "low.npy")
     with pytest.raises(OSError, match="no part of 83 x 61"):
         cw.open(tmp_path / "z.npy", window=(80, 0, 9, 9))
     with pytest.raises(ValueError, match=r"window: 3, expected"):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 import threading
 import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
@@ -366,8 +367,9 @@ def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None =
                                   nodata_of(nodata), 0.0 if cellsize is None else finite(cellsize, "cellsize", 0),
                                   0.0 if zscale is None else finite(zscale, "zscale", 0), (column, row, columns, rows),
                                   progress_call(progress))
-    for sentence in given["warnings"]:
-        warnings.warn(sentence, stacklevel=2)
+    for sentence in given["warnings"]:  # arguments in place of the program's options
+        text = re.sub(r"--(band|nodata|zscale)( (?=[-\d]))?", lambda found: found[1] + ("=" if found[2] else ""), sentence)
+        warnings.warn(text, stacklevel=2)
     known = Crs(given["crs"][0], *given["crs"]) if crs is None else read_crs(crs)
     samples = np.frombuffer(given["samples"], np.float32).reshape(given["shape"])
     if min(samples.shape) < 2:
