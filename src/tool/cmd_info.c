@@ -5,19 +5,17 @@
 #include "clock.h"
 #include "command.h"
 #include "cpus.h"
+#include "field_options.h"
 #include "gdal/module.h"
 #include "image.h"
 #include "json.h"
 #include "proc.h"
 #include "progress.h"
-#include "query_options.h"
-#include "raster_options.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static void print_kernels(const cw_kernel *chosen, bool json) {
     if (json)
@@ -104,8 +102,7 @@ static bool look_at_header(const char *path, const io_raster_options *options, s
     o.no_samples = true;
     o.progress = NULL;
     o.warn = NULL; /* until it is known that samples are not read, whose reading warns of the header too */
-    const char *ending = strrchr(path, '.');
-    if (ending && strcasecmp(ending, ".pbrt") == 0) return true; /* a scene */
+    if (field_is_scene(path)) return true;
     if (!io_raster_read(path, &o, r, error)) return false;
     s->header = r->nx > many / r->ny;
     s->info = (cw_field_info){.nx = r->nx, .ny = r->ny};
@@ -115,10 +112,9 @@ static bool look_at_header(const char *path, const io_raster_options *options, s
     return !s->header || io_raster_read(path, &o, r, error);
 }
 
-static bool look_at_field(const char *path, const io_raster_options *options, const raster_options *raster,
-                          const cw_run *query, survey *s, io_error *error) {
+static bool look_at_field(const char *path, const field_options *options, survey *s, io_error *error) {
     const double start = clock_seconds();
-    if (!raster_options_open(raster, path, options, query, &s->file, error)) return false;
+    if (!field_options_open(options, path, &s->file, error)) return false;
     s->info = cw_field_describe(s->file.field);
     s->read_seconds = clock_seconds() - start - cw_field_build_seconds(s->file.field);
     return true;
@@ -244,16 +240,15 @@ static void print_field_json(const char *path, const survey *s) {
     json_print(stdout, "]}");
 }
 
-static int show(const char *path, raster_options *raster, const cw_run *query, bool json, bool samples) {
+static int show(const char *path, const field_options *options, bool json, bool samples) {
     survey s = {.read_seconds = 0};
     io_error error = {""};
-    io_raster_options options;
-    if (!raster_options_resolve(raster, "info", &options)) return EXIT_USAGE;
-    bool good = path == NULL || samples || raster->coarser.factor > 0 || look_at_header(path, &options, &s, &error);
-    good = good && (path == NULL || s.header || look_at_field(path, &options, raster, query, &s, &error));
+    bool good =
+        path == NULL || samples || options->coarser.factor > 0 || look_at_header(path, &options->reading, &s, &error);
+    good = good && (path == NULL || s.header || look_at_field(path, options, &s, &error));
     progress_end();
     if (!good) return command_fail("info", "%s", error.text);
-    const cw_kernel *chosen = path ? s.file.kernel : cw_run_kernel(NULL, query);
+    const cw_kernel *chosen = path ? s.file.kernel : cw_run_kernel(NULL, &options->query);
     if (json || !path) {
         print_machine(json);
         print_parts(json);
@@ -266,16 +261,12 @@ static int show(const char *path, raster_options *raster, const cw_run *query, b
 }
 
 static int run(int argc, char **argv) {
-    query_options q = {0};
+    static field_options shared; /* large */
     bool json = false, samples = false;
-    raster_options raster;
-    enum { OWN = 2, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
-    option_spec options[ALL] = {
+    const option_spec options[] = {
         option_flag("json", &json, "print one JSON object"),
         option_flag("samples", &samples, "read the samples of rasters with more than 67 million of them too"),
     };
-    query_options_rows(&q, options + OWN);
-    raster_options_rows(&raster, options + SHARED);
     static const char *const operand_names[] = {"FIELD"};
     const options_usage usage = {
         .name = "info",
@@ -291,16 +282,13 @@ static int run(int argc, char **argv) {
                     "  cellwalk info --isa sse4.2        # the kernel chosen without AVX2\n"
                     "  cellwalk info terrain.npy --kernel grid3d --json\n",
         .options = options,
-        .option_count = ALL,
+        .option_count = sizeof options / sizeof *options,
         .operands = operand_names,
         .operand_most = 1,
     };
     const char *path;
-    const int status = options_parse(&usage, argc, argv, &path);
-    if (status != OPTIONS_GO) return status;
-    cw_run query;
-    if (!query_options_resolve(&q, usage.name, &query)) return EXIT_USAGE;
-    return show(path, &raster, &query, json, samples);
+    const int status = field_options_parse(&shared, &usage, FIELD_KERNELS, argc, argv, &path);
+    return status == OPTIONS_GO ? show(path, &shared, json, samples) : status;
 }
 
 const command command_info = {"info", "print a field's contents and cost, or this machine's kernels", run};

@@ -3,18 +3,17 @@
 
 #include "clock.h"
 #include "command.h"
+#include "field_options.h"
 #include "image.h"
 #include "json.h"
-#include "options.h"
 #include "progress.h"
-#include "query_options.h"
 #include "scene.h"
 #include "terrain/view.h"
 #include "trade.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static const char name[] = "render";
 
@@ -22,7 +21,7 @@ static const char name[] = "render";
 enum { SIDE_MOST = 65536 };
 
 typedef struct render_command {
-    query_options query;
+    field_options fields;
     view_options view;
     const char *output, *size, *crop;
     unsigned samples, seed;
@@ -82,10 +81,10 @@ static void tell(void *context, double share) {
 }
 
 /* The output file is opened first, so that no work is done in vain. */
-static int render(const render_command *c, const char *path, scene *s, const cw_run *query, double begun) {
+static int render(const render_command *c, const char *path, scene *s, double begun) {
     render_times times = {.load = clock_seconds() - begun};
-    const scene_render_options options = {.query = *query,
-                                          .threads = c->query.threads,
+    const scene_render_options options = {.query = c->fields.query,
+                                          .threads = c->fields.threads,
                                           .samples = c->samples,
                                           .seed = c->seed,
                                           .width = c->width,
@@ -109,46 +108,39 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
         warn(NULL, "nothing of the terrain is in the picture; --from and --to are places on its map");
     if (good)
         command_wrote(name, c->quiet, c->output, begun, "%zu x %zu pixels", (size_t)image.width, (size_t)image.height);
-    if (good && c->stats) print_stats(&stats, &times, kernel_name(s, query));
-    if (good && c->json) print_json(&stats, &times, kernel_name(s, query), path, &image);
+    if (good && c->stats) print_stats(&stats, &times, kernel_name(s, &c->fields.query));
+    if (good && c->json) print_json(&stats, &times, kernel_name(s, &c->fields.query), path, &image);
     io_image_free(&image);
     return good ? EXIT_SUCCESS : command_fail(name, "%s", error.text);
 }
 
-static int render_scene(const render_command *c, const char *path, const cw_run *query) {
+static int render_scene(const render_command *c, const char *path) {
     io_error error;
     const double start = clock_seconds();
     scene *s = scene_load(path, c->quiet ? NULL : warn, NULL, &error);
     if (s == NULL) return command_fail(name, "%s", error.text);
-    const int status = render(c, path, s, query, start);
+    const int status = render(c, path, s, start);
     scene_free(s);
     return status;
 }
 
-static int render_terrain(render_command *c, const char *path, const cw_run *query) {
+static int render_terrain(const render_command *c, const char *path) {
     const double start = clock_seconds();
     int status;
-    view *v = view_open(&c->view, path, query, c->width, c->height, c->phong, c->quiet, &status);
+    view *v = view_open(&c->view, &c->fields, path, c->width, c->height, c->phong, c->quiet, &status);
     if (v == NULL) return status;
-    status = render(c, path, view_scene(v), query, start);
+    status = render(c, path, view_scene(v), start);
     view_close(v);
     return status;
 }
 
-static bool is_scene(const char *path) {
-    const char *ending = strrchr(path, '.');
-    return ending && strcasecmp(ending, ".pbrt") == 0;
-}
-
-/* False, after a message, unless there is one thing to draw, and options that go with it. */
-static bool read_subject(render_command *c, const char **path) {
-    const char *option = view_only(&c->view);
-    const char *given = *path;
-    c->terrain = c->view.dem != NULL || (given && !is_scene(given));
-    if (given && c->view.dem) return command_refuse(name, "give either %s or --dem %s", given, c->view.dem);
-    if (!given && !c->view.dem) return command_refuse(name, "nothing to draw: give a scene or a raster");
-    if (!c->terrain && option) return command_refuse(name, "--%s is for rasters, and %s is a scene", option, given);
-    *path = given ? given : c->view.dem;
+/* False, after a message, if there is an option that a scene has no use for. */
+static bool check_scene(const char *path) {
+    static const char *const others[] = {"from",      "to",   "sun",     "time",   "sky",    "haze",     "water", "fov",
+                                         "curvature", "band", "coarser", "nodata", "zscale", "cellsize", "filter"};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (options_given(others[k]))
+            return command_refuse(name, "--%s is for rasters, and %s is a scene", others[k], path);
     return true;
 }
 
@@ -185,11 +177,12 @@ static bool read_area(render_command *c) {
 }
 
 static int run(int argc, char **argv) {
-    render_command c = {.output = NULL};
-    enum { OWN = 9 };
-    enum { ALL = OWN + VIEW_OPTION_COUNT + QUERY_OPTION_COUNT };
-    option_spec options[ALL];
-    const option_spec own[] = {
+    static render_command c = {.view = {.water = NAN}}; /* large */
+    option_spec curvature = product_flat_earth_row(&c.view.curvature);
+    curvature.help = "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 with usual "
+                     "refraction; terrain is lowered around the eye that --from places, and shadows are those of the "
+                     "lowered terrain";
+    const option_spec options[] = {
         option_output("IMAGE", &c.output, "the picture: .exr (half RGBA, linear) or .png (8 bit, sRGB)"),
         option_count("samples", "N", &c.samples, 1, 65536,
                      "samples a pixel (default: as in the scene; 4 for a terrain)"),
@@ -201,11 +194,32 @@ static int run(int argc, char **argv) {
         option_flag("phong", &c.phong, "smooth height fields by Phong normals"),
         option_flag("quiet", &c.quiet, "print neither progress nor warnings nor the line at the end"),
         option_flag("stats", &c.stats, "print counts of rays, and seconds for each step"),
-        option_flag("json", &c.json, "print the counts and times of --stats as one JSON object")};
-    for (size_t k = 0; k < OWN; k++) options[k] = own[k];
-    view_rows(&c.view, options + OWN);
-    query_options_rows(&c.query, options + OWN + VIEW_OPTION_COUNT);
-    static const char *const operands[] = {"SCENE"};
+        option_flag("json", &c.json, "print the counts and times of --stats as one JSON object"),
+        option_text("from", "X,Y[,H]", &c.view.from,
+                    "the eye's place on the map, H metres above ground (default: 2), or X,Y,=Z at an absolute height "
+                    "in metres; without --from the eye is south of the terrain and sees all of it"),
+        option_text("to", "X,Y[,H]", &c.view.to,
+                    "the place in the middle of the picture, in the same form (default of H: 0, the ground; without "
+                    "--to: the middle of the raster)"),
+        option_text("sun", "AZ,ALT", &c.view.sun,
+                    "the sun's azimuth, from the map's north over east, and altitude, in degrees (default: 315,40)"),
+        option_text("time", "TIME", &c.view.time,
+                    "date and time with a zone (2024-06-21T12:00:00Z, or +02:00 for Z), at which the sun stands over "
+                    "the terrain's middle; the file must name a coordinate system"),
+        option_range("fov", "DEGREES", &c.view.fov, DBL_MIN, 180 - 0x1p-45, "degrees above 0 and below 180",
+                     "field of view over the shorter side, in degrees (default: 40)"),
+        option_flag(
+            "sky", &c.view.sky,
+            "a sky that is brighter toward sun and horizon, and a plain at the terrain's lowest height below it"),
+        option_range("haze", "V", &c.view.haze, DBL_MIN, DBL_MAX, "a visibility in metres, above 0",
+                     "haze with a visibility of V metres: of contrast at a distance d the share 0.02^(d/V) is left "
+                     "(Koschmieder)"),
+        option_number(
+            "water", "Z", &c.view.water,
+            "level water at height Z in metres covers all ground that is lower, and holes; it mirrors sky and land"),
+        curvature,
+    };
+    static const char *const operands[] = {"a scene or a raster"};
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM|SCENE.pbrt -o IMAGE [OPTIONS]",
@@ -215,7 +229,7 @@ static int run(int argc, char **argv) {
             "SCENE.pbrt is in the part of pbrt's scene language that height-field scenes need: shapes heightfield and "
             "cylinder, materials matte and mirror, image textures, point lights, a perspective camera. Anything else "
             "in the file is an error with its line, or a warning if it changes neither geometry nor light. The options "
-            "--dem, --from, --to, --sun, --time, --fov, --sky, --haze, --water, --curvature and those on how to read a "
+            "--from, --to, --sun, --time, --fov, --sky, --haze, --water, --curvature and those on how to read a "
             "raster are for terrain only.\n\n" TRADE_RENDER,
         .examples = "  cellwalk render dem.tif -o overview.png\n"
                     "  cellwalk render dem.tif --from 600250,5199800,30 --to 603000,5203000 \\\n"
@@ -226,23 +240,22 @@ static int run(int argc, char **argv) {
                     "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64 --stats\n"
                     "  cellwalk render texture.pbrt -o part.png --size 1600x1600 --crop 0,0,400,400\n",
         .options = options,
-        .option_count = ALL,
+        .option_count = sizeof options / sizeof *options,
         .operands = operands,
-        .operand_least = 0,
+        .operand_least = 1,
         .operand_most = 1,
     };
     const char *path = NULL;
-    const int status = options_parse(&usage, argc, argv, &path);
+    const int status = field_options_parse(&c.fields, &usage, FIELD_KERNELS, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
-    cw_run query;
-    if (!read_subject(&c, &path)) return EXIT_USAGE;
-    if (!query_options_resolve(&c.query, name, &query) || !read_area(&c)) return EXIT_USAGE;
+    c.terrain = !field_is_scene(path);
+    if ((!c.terrain && !check_scene(path)) || !read_area(&c)) return EXIT_USAGE;
     io_error error;
     if (c.output == NULL || !io_image_can_write(c.output, &error)) {
         command_fail(name, "%s", c.output ? error.text : "no picture to write to: -o IMAGE is missing");
         return EXIT_USAGE;
     }
-    return c.terrain ? render_terrain(&c, path, &query) : render_scene(&c, path, &query);
+    return c.terrain ? render_terrain(&c, path) : render_scene(&c, path);
 }
 
 const command command_render = {name, "draw a terrain from a place on it, or render a pbrt scene", run};

@@ -5,11 +5,10 @@
 #include "cellwalk_expert.h"
 #include "clock.h"
 #include "command.h"
+#include "field_options.h"
 #include "inputs.h"
 #include "json.h"
 #include "progress.h"
-#include "query_options.h"
-#include "raster_options.h"
 #include "trace_files.h"
 #include "trade.h"
 
@@ -23,18 +22,16 @@ enum { PIECE = 1 << 18, REPEAT_MOST = 1000000 };
 
 typedef struct request {
     const char *field, *rays, *hits;
-    query_options query;
-    raster_options raster;
+    field_options options;
     bool any, user, points, normals, stats, json, quiet;
     unsigned repeat;
 } request;
 
 typedef struct trace {
     request *request;
-    io_raster_options raster;
     raster_field field;
     ray_source rays;
-    cw_run query;
+    cw_run *query;     /* of the options */
     hits_file file;    /* not open where no output was asked for */
     cw_hit *hits;      /* PIECE of them */
     uint8_t *occluded; /* the same, for --occluded */
@@ -49,10 +46,10 @@ static bool trace_piece(trace *t, const void *rays, size_t n, double *seconds, i
     const double start = clock_seconds();
     cw_status status;
     if (t->request->user)
-        status = any ? cw_occluded_user(f, &t->query, rays, n, t->occluded)
-                     : cw_closest_user(f, &t->query, rays, n, t->hits);
+        status =
+            any ? cw_occluded_user(f, t->query, rays, n, t->occluded) : cw_closest_user(f, t->query, rays, n, t->hits);
     else
-        status = any ? cw_occluded(f, &t->query, rays, n, t->occluded) : cw_closest(f, &t->query, rays, n, t->hits);
+        status = any ? cw_occluded(f, t->query, rays, n, t->occluded) : cw_closest(f, t->query, rays, n, t->hits);
     *seconds = clock_seconds() - start;
     return status == CW_OK || io_fail(error, "%s", cw_last_error());
 }
@@ -74,7 +71,7 @@ static bool pass(trace *t, unsigned number, io_error *error) {
         t->seconds[number] += seconds;
         if (number == 0) t->hit_count += count_hits(t, n);
         if (number == 0 && t->request->hits &&
-            !hits_file_write(&t->file, t->field.field, &t->query, t->hits, t->occluded, n, error))
+            !hits_file_write(&t->file, t->field.field, t->query, t->hits, t->occluded, n, error))
             return false;
         done += n;
         progress_show("tracing", (number + (double)done / (double)t->rays.count) / t->request->repeat);
@@ -87,15 +84,15 @@ static bool prepare(trace *t, io_error *error) {
     if (!ray_source_open(&t->rays, r->rays, r->user, error)) return false;
     if (!io_inputs_note_path(r->field)) return io_fail(error, "out of memory");
     if (r->hits && !hits_file_create(&t->file, r->hits, t->rays.count, error)) return false;
-    const cw_status status = cw_pool_create(r->query.threads, &t->query.pool);
+    const cw_status status = cw_pool_create(r->options.threads, &t->query->pool);
     if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
-    if (!raster_options_open(&r->raster, r->field, &t->raster, &t->query, &t->field, error)) return false;
+    if (!field_options_open(&r->options, r->field, &t->field, error)) return false;
     if (r->user && t->field.raster.georef.geographic)
         command_warn("trace",
                      "%s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp -t_srs EPSG:... "
                      "puts it on a map in metres",
                      r->field);
-    t->query.expert.kernel = t->field.kernel;
+    t->query->expert.kernel = t->field.kernel;
     if (r->any)
         t->occluded = calloc(PIECE, sizeof *t->occluded);
     else
@@ -114,8 +111,8 @@ static void report(trace *t) {
     qsort(t->seconds, n, sizeof *t->seconds, compare);
     const double least = t->seconds[0], median = 0.5 * (t->seconds[(n - 1) / 2] + t->seconds[n / 2]);
     const double mrays = t->rays.count > 0 ? 1e-6 * (double)t->rays.count / median : 0;
-    const char *kernel = cw_kernel_describe(t->query.expert.kernel).name;
-    const unsigned threads = cw_pool_threads(t->query.pool);
+    const char *kernel = cw_kernel_describe(t->query->expert.kernel).name;
+    const unsigned threads = cw_pool_threads(t->query->pool);
     const unsigned long long rays = t->rays.count, hits = t->hit_count;
     if (!t->request->json) {
         printf("%s: %llu rays, %llu hits, %u thread%s, %u run%s: min %.6f s, median %.6f s, %.3f Mrays/s\n", kernel,
@@ -157,10 +154,9 @@ static void warn_of_bounds(const trace *t) {
                                                  : "");
 }
 
-static int run_request(request *r, const cw_run *query, const io_raster_options *raster, bool timing) {
+static int run_request(request *r, bool timing) {
     trace t = {.request = r,
-               .raster = *raster,
-               .query = *query,
+               .query = &r->options.query,
                .rays = {.npy = {.fd = -1}},
                .file = {.any = r->any, .points = r->points, .normals = r->normals}};
     io_error error = {""};
@@ -174,7 +170,7 @@ static int run_request(request *r, const cw_run *query, const io_raster_options 
     if (good && t.rays.count > 0 && t.hit_count == 0 && t.rays.none_meets) warn_of_bounds(&t);
     io_npy_discard(&t.file.writer);
     ray_source_close(&t.rays);
-    cw_pool_destroy(t.query.pool);
+    cw_pool_destroy(t.query->pool);
     raster_field_close(&t.field);
     free(t.hits);
     free(t.occluded);
@@ -220,9 +216,8 @@ static bool check(const request *r, bool timing) {
 }
 
 static int run(int argc, char **argv) {
-    request r = {.repeat = 0};
-    enum { OWN = 9, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
-    option_spec options[ALL] = {
+    static request r; /* large */
+    const option_spec options[] = {
         option_output("HITS.npy", &r.hits, "the array of hits to write; - is standard output"),
         option_flag("occluded", &r.any, "only find whether a ray hits anything: one byte a ray"),
         option_flag("user", &r.user, "RAYS is float64, in the coordinates of the field's map"),
@@ -238,31 +233,25 @@ static int run(int argc, char **argv) {
                     "the median); -o is then optional"),
         option_flag("quiet", &r.quiet, "leave out the line at the end"),
     };
-    query_options_rows(&r.query, options + OWN);
-    raster_options_rows(&r.raster, options + SHARED);
     static const char *const operand_names[] = {"FIELD", "RAYS.npy"};
     const options_usage usage = {.name = "trace",
                                  .synopsis = "FIELD RAYS.npy -o HITS.npy [OPTIONS]",
                                  .what = what,
                                  .examples = examples,
                                  .options = options,
-                                 .option_count = ALL,
+                                 .option_count = sizeof options / sizeof *options,
                                  .operands = operand_names,
                                  .operand_least = 2,
                                  .operand_most = 2};
     const char *operands[2];
-    const int status = options_parse(&usage, argc, argv, operands);
+    const int status = field_options_parse(&r.options, &usage, FIELD_KERNELS, argc, argv, operands);
     if (status != OPTIONS_GO) return status;
     r.field = operands[0];
     r.rays = operands[1];
     const bool timing = r.repeat > 0 || r.json || r.stats;
     if (!check(&r, timing)) return EXIT_USAGE;
     if (r.repeat == 0) r.repeat = 1;
-    cw_run query;
-    if (!query_options_resolve(&r.query, usage.name, &query)) return EXIT_USAGE;
-    io_raster_options raster;
-    if (!raster_options_resolve(&r.raster, usage.name, &raster)) return EXIT_USAGE;
-    return run_request(&r, &query, &raster, timing);
+    return run_request(&r, timing);
 }
 
 const command command_trace = {"trace", "find where rays hit a height field (NumPy arrays in and out)", run};

@@ -58,7 +58,7 @@ def test_level_land():
 
 def test_shadow_of_a_wall():
     """The sun in the south, 45 degrees high: from y = 300, where the wall stands, to 330 there is shadow."""
-    rgb = picture("--dem", "wall.npy", *ABOVE, "--sun", "180,45")
+    rgb = picture("wall.npy", *ABOVE, "--sun", "180,45")
     close(rgb[[20, 28], 1:59], GROUND, SUN * np.sqrt(0.5) + SKY)
     close(rgb[22:24, 1:59], GROUND, SKY)
 
@@ -233,8 +233,7 @@ def test_curvature_is_off_by_default():
 
 
 @pytest.mark.parametrize("status, why, words", [
-    (2, "nothing to draw", ()),
-    (2, "give either level.npy or --dem wall.npy", ("level.npy", "--dem", "wall.npy")),
+    (2, "a scene or a raster is missing", ()),
     (2, "--sun is for rasters", ("s.pbrt", "--sun", "0,30")),
     (2, "--nodata is for rasters", ("s.pbrt", "--nodata", 0)),
     (2, "--sky is for rasters", ("s.pbrt", "--sky")),

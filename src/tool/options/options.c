@@ -158,6 +158,15 @@ static bool set_value(const options_usage *usage, const option_spec *o, char *va
 
 /* ---- parsing ---- */
 
+static const char *given_names[NAMES_MAX];
+static size_t given_count;
+
+bool options_given(const char *name) {
+    for (size_t k = 0; k < given_count; k++)
+        if (strcmp(given_names[k], name) == 0) return true;
+    return false;
+}
+
 /* The option that argument names, and the value that is written into the same argument, if any. */
 static const option_spec *find(const options_usage *usage, char *argument, size_t *length, char **value) {
     const bool is_long = argument[1] == '-';
@@ -179,6 +188,7 @@ static int take_option(const options_usage *usage, int argc, char **argv, int *k
     char *value;
     const option_spec *o = find(usage, argv[*k], &length, &value);
     if (o == NULL) return unknown(usage, argv[*k], length);
+    if (!options_given(o->name) && given_count < NAMES_MAX) given_names[given_count++] = o->name;
     if (o->kind == OPTION_FLAG) {
         if (value) {
             command_fail(usage->name, "--%s takes no value, but got '%s'", o->name, value);
@@ -200,6 +210,7 @@ static bool is_number(const char *argument) { return strchr("0123456789.", argum
 
 int options_parse(const options_usage *usage, int argc, char **argv, const char **operands) {
     for (size_t k = 0; k < usage->operand_most; k++) operands[k] = NULL;
+    given_count = 0;
     size_t given = 0;
     bool options_over = false;
     for (int k = 1; k < argc; k++) {

@@ -101,6 +101,9 @@ typedef struct options_usage {
 enum { OPTIONS_GO = -1 };
 int options_parse(const options_usage *usage, int argc, char **argv, const char **operands);
 
+/* Whether the last command line had the option. */
+bool options_given(const char *name);
+
 /* Names for options: of kernels, instruction sets and leaf tests. */
 const char *option_kernel_names(size_t number);
 const char *option_isa_names(size_t number);

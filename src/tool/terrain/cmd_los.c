@@ -221,8 +221,7 @@ static bool check(los_command *c, const char *const given[3]) {
 
 static int run(int argc, char **argv) {
     static los_command c; /* large */
-    enum { OWN = 7, ALL = OWN + RASTER_OPTION_COUNT };
-    option_spec options[ALL] = {
+    const option_spec options[] = {
         option_text("pairs", "FILE.csv", &c.pairs,
                     "pairs of places in place of FROM and TO: a table whose first line names the columns x1, y1, x2, "
                     "y2 and, if there, height1, height2 and name"),
@@ -239,7 +238,6 @@ static int run(int argc, char **argv) {
         option_flag("quiet", &c.product.quiet, "leave out the lines at the end of --pairs and --profile"),
     };
     c.product.name = name;
-    raster_options_rows(&c.product.raster_options, options + OWN);
     static const char *const operands[] = {"DEM", "FROM", "TO"};
     const options_usage usage = {
         .name = name,
@@ -255,16 +253,16 @@ static int run(int argc, char **argv) {
                     "  cellwalk los dem.tif 600250,5199800,20 601500,5200100,15 --frequency 5800 \\\n"
                     "      --curvature 0.75\n",
         .options = options,
-        .option_count = ALL,
+        .option_count = sizeof options / sizeof *options,
         .operands = operands,
         .operand_least = 1,
         .operand_most = 3,
     };
     const char *given[3];
-    const int status = options_parse(&usage, argc, argv, given);
+    const int status = field_options_parse(&c.product.fields, &usage, FIELD_NO_QUERIES, argc, argv, given);
     if (status != OPTIONS_GO) return status;
     if (!check(&c, given)) return EXIT_USAGE;
-    c.product.query_options = (query_options){-1, -1, -1, 1};
+    c.product.fields.threads = 1;
     io_error error = {""};
     const int opened = product_open(&c.product, given[0], 0);
     return opened == EXIT_SUCCESS ? product_close(&c.product, answer(&c, &error), &error) : opened;

@@ -22,10 +22,10 @@ static const char *compression_names(size_t number) {
     return number < sizeof names / sizeof *names ? names[number] : NULL;
 }
 
-enum { SHARED_OPTIONS = 8 + RASTER_OPTION_COUNT + 2 };
+enum { SHARED = 8 };
 
-static void shared_rows(product *p, option_spec *rows) {
-    const option_spec own[] = {
+static void add_rows(product *p, option_spec *to) {
+    const option_spec rows[SHARED] = {
         option_text("window", "XMIN,YMIN,XMAX,YMAX", &p->window,
                     "only the samples in that part of the map, in its coordinates; values are those of the whole "
                     "raster, of which only the parts needed are read"),
@@ -44,13 +44,7 @@ static void shared_rows(product *p, option_spec *rows) {
         option_flag("plain", &p->plain, "of a .png: grey values alone, from black to white"),
         option_flag("quiet", &p->quiet, "leave out the line at the end"),
     };
-    option_spec query[QUERY_OPTION_COUNT];
-    memcpy(rows, own, sizeof own);
-    rows += sizeof own / sizeof *own;
-    raster_options_rows(&p->raster_options, rows);
-    query_options_rows(&p->query_options, query);
-    rows[RASTER_OPTION_COUNT] = query[QUERY_ISA];
-    rows[RASTER_OPTION_COUNT + 1] = query[QUERY_THREADS];
+    memcpy(to, rows, sizeof rows);
 }
 
 static option_spec curvature_row(double *curvature, const char *help) {
@@ -110,8 +104,7 @@ static bool resolve(product *p, size_t bands) {
         return command_refuse(p->name, "--%s goes with -o FILE.tif", of_tif);
     if (p->plain && !(bands > 0 && io_raster_is_png(p->output)))
         return command_refuse(p->name, "--plain goes with -o FILE.png");
-    return query_options_resolve(&p->query_options, p->name, &p->ground.query) &&
-           raster_options_resolve(&p->raster_options, p->name, &p->ground.reading);
+    return true;
 }
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
@@ -135,10 +128,12 @@ static bool open_ground(product *p, size_t bands, io_error *error) {
         return false;
     if (bands > 0 && io_inputs_note_path(g->path) && is_input(p->output))
         return io_fail(error, "%s: is the terrain itself and cannot be overwritten", p->output);
-    if (cw_pool_create(p->query_options.threads, &g->query.pool) != CW_OK) return io_fail(error, "%s", cw_last_error());
+    g->query = p->fields.query;
+    if (cw_pool_create(p->fields.threads, &g->query.pool) != CW_OK) return io_fail(error, "%s", cw_last_error());
+    g->reading = p->fields.reading;
     g->reading.north_up = true;
-    g->coarser = p->raster_options.coarser;
-    g->watch = p->raster_options.watch;
+    g->coarser = p->fields.coarser;
+    g->watch = p->fields.watch;
     if (!ground_open(g, error) || (p->window && !ground_find_window(g, p->extent, p->window, error))) return false;
     if (bands == 0) /* a table; an input's name is refused with the others */
         return p->output == NULL || (io_inputs_note_path(g->path) && is_input(p->output)) ||
@@ -252,12 +247,12 @@ static bool make(product *p, io_error *error) {
 
 int product_run(product *p, const options_usage *usage, int argc, char **argv) {
     static const char *const operands[] = {"DEM"};
-    option_spec options[PRODUCT_OPTIONS_MOST + SHARED_OPTIONS];
+    option_spec options[FIELD_OWN_MOST];
     options_usage all = *usage;
     memcpy(options, usage->options, usage->option_count * sizeof *options);
-    shared_rows(p, options + usage->option_count);
+    add_rows(p, options + usage->option_count);
     all.options = options;
-    all.option_count += SHARED_OPTIONS;
+    all.option_count += SHARED;
     all.operands = operands;
     all.operand_least = all.operand_most = 1;
     p->name = usage->name;
@@ -266,7 +261,7 @@ int product_run(product *p, const options_usage *usage, int argc, char **argv) {
     const char *path;
     size_t bands = 1;
     io_error error = {""};
-    const int status = options_parse(&all, argc, argv, &path);
+    const int status = field_options_parse(&p->fields, &all, FIELD_THREADS, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
     if (!p->check(p->context, &bands)) return EXIT_USAGE;
     const int opened = product_open(p, path, bands);

@@ -4,8 +4,7 @@
 #ifndef CELLWALK_TOOL_TERRAIN_PRODUCT_H
 #define CELLWALK_TOOL_TERRAIN_PRODUCT_H
 
-#include "../query_options.h"
-#include "../raster_options.h"
+#include "../field_options.h"
 #include "ground.h"
 #include "ground_plan.h"
 #include "picture.h"
@@ -49,8 +48,7 @@ typedef struct product {
     int compression; /* io_compression */
     bool cog, plain, quiet;
     option_again creation;
-    raster_options raster_options;
-    query_options query_options;
+    field_options fields;
     double extent[4]; /* of window */
 
     /* The work. */
@@ -60,11 +58,10 @@ typedef struct product {
     double start;      /* seconds of the clock */
 } product;
 
-/* Runs with usage's options, at most PRODUCT_OPTIONS_MOST, then the shared ones, and the operand DEM. Returns the exit status. */
-enum { PRODUCT_OPTIONS_MOST = 24 };
+/* Runs with usage's options, then the shared ones, and the operand DEM. Returns the exit status. */
 int product_run(product *p, const options_usage *usage, int argc, char **argv);
 
-/* Opens the raster. Returns EXIT_SUCCESS, or after a message the exit status; there is
+/* Opens the raster, by p->fields. Returns EXIT_SUCCESS, or after a message the exit status; there is
  * then nothing to close. */
 int product_open(product *p, const char *path, size_t bands);
 /* Returns the exit status of the work, after the message in error unless it was good. */

@@ -29,64 +29,6 @@ struct view {
     scene *scene;
 };
 
-static option_spec curvature_around_eye_row(double *curvature) {
-    option_spec row = product_flat_earth_row(curvature);
-    row.help = "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 with usual "
-               "refraction;\nterrain is lowered around the eye that --from places, and\nshadows are those of the "
-               "lowered terrain";
-    return row;
-}
-
-void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
-    *v = (view_options){.water = NAN, .curvature = NAN};
-    const option_spec own[] = {
-        option_text("dem", "FILE", &v->dem, "the terrain, read as a raster for any ending of its name"),
-        option_text("from", "X,Y[,H]", &v->from,
-                    "the eye's place on the map, H metres above ground (default: 2), or X,Y,=Z at an absolute height "
-                    "in metres; without --from the eye is south of the terrain and sees all of it"),
-        option_text("to", "X,Y[,H]", &v->to,
-                    "the place in the middle of the picture, in the same form (default of H: 0, the ground; without "
-                    "--to: the middle of the raster)"),
-        option_text("sun", "AZ,ALT", &v->sun,
-                    "the sun's azimuth, from the map's north over east, and altitude, in degrees (default: 315,40)"),
-        option_text("time", "TIME", &v->time,
-                    "date and time with a zone (2024-06-21T12:00:00Z, or +02:00 for Z), at which the sun stands over "
-                    "the terrain's middle; the file must name a coordinate system"),
-        option_range("fov", "DEGREES", &v->fov, DBL_MIN, 180 - 0x1p-45, "degrees above 0 and below 180",
-                     "field of view over the shorter side, in degrees (default: 40)"),
-        option_flag(
-            "sky", &v->sky,
-            "a sky that is brighter toward sun and horizon, and a plain at the terrain's lowest height below it"),
-        option_range("haze", "V", &v->haze, DBL_MIN, DBL_MAX, "a visibility in metres, above 0",
-                     "haze with a visibility of V metres: of contrast at a distance d the share 0.02^(d/V) is left "
-                     "(Koschmieder)"),
-        option_number(
-            "water", "Z", &v->water,
-            "level water at height Z in metres covers all ground that is lower, and holes; it mirrors sky and land"),
-        curvature_around_eye_row(&v->curvature),
-    };
-    memcpy(rows, own, sizeof own);
-    raster_options_rows(&v->raster, rows + sizeof own / sizeof own[0]);
-}
-
-const char *view_only(const view_options *v) {
-    return v->from                        ? "from"
-           : v->to                        ? "to"
-           : v->sun                       ? "sun"
-           : v->time                      ? "time"
-           : v->sky                       ? "sky"
-           : v->haze > 0                  ? "haze"
-           : !isnan(v->water)             ? "water"
-           : v->fov > 0                   ? "fov"
-           : !isnan(v->curvature)         ? "curvature"
-           : v->raster.band > 0           ? "band"
-           : v->raster.coarser.factor > 0 ? "coarser"
-           : v->raster.nodata.count > 0   ? "nodata"
-           : v->raster.zscale > 0         ? "zscale"
-           : v->raster.cellsize > 0       ? "cellsize"
-                                          : NULL;
-}
-
 /* ---- places ------------------------------------------------------------------------------------------------------- */
 
 /* The options as numbers. */
@@ -349,33 +291,30 @@ static bool read_terrain(view *v, const view_options *o, const wish *w, io_error
            raster_field_build(&v->lowered, g->path, &query, &g->watch, error);
 }
 
-view *view_open(view_options *o, const char *path, const cw_run *query, size_t width, size_t height, bool smooth,
-                bool quiet, int *status) {
+view *view_open(const view_options *o, const field_options *fields, const char *path, size_t width, size_t height,
+                bool smooth, bool quiet, int *status) {
     wish w;
-    view *v = calloc(1, sizeof *v);
-    *status = EXIT_USAGE;
-    if (v == NULL) {
-        *status = command_fail(name, "out of memory");
-        return NULL;
-    }
-    ground *g = &v->ground;
+    view *v = NULL;
     io_error error = {"out of memory"};
-    if (read_wish(o, &w) && raster_options_resolve(&o->raster, name, &g->reading)) {
-        g->path = path;
+    *status = EXIT_USAGE;
+    if (!read_wish(o, &w)) return NULL;
+    /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
+    if (io_inputs_note_path(path) && (v = calloc(1, sizeof *v)) != NULL) {
+        ground *g = &v->ground;
+        *g = (ground){.path = path,
+                      .reading = fields->reading,
+                      .coarser = fields->coarser,
+                      .watch = fields->watch,
+                      .query = fields->query,
+                      .bytes = INFINITY};
         g->reading.north_up = true;
-        g->coarser = o->raster.coarser;
-        g->watch = o->raster.watch;
         if (quiet) g->watch.warn = g->watch.note = NULL;
-        g->query = *query;
-        g->bytes = INFINITY;
-        /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
-        if (io_inputs_note_path(path) && read_terrain(v, o, &w, &error) &&
-            make_scene(v, o, path, &w, width, height, smooth, &error)) {
+        if (read_terrain(v, o, &w, &error) && make_scene(v, o, path, &w, width, height, smooth, &error)) {
             if (v->lowered.field) raster_field_close(&g->file);
             return v;
         }
-        *status = command_fail(name, "%s", error.text);
     }
+    *status = command_fail(name, "%s", error.text);
     view_close(v);
     return NULL;
 }
