@@ -42,17 +42,15 @@ typedef struct horizon_command {
     const char **names; /* of bands */
 } horizon_command;
 
-static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+static bool fill(product *p, const product_block *b, void *cells, io_error *error) {
     const horizon_command *c = p->context;
     const terrain *t = &p->ground.terrain;
-    const cw_run run = product_query(p);
-    const cw_area area = {{0, row, t->nx, rows}, 0};
     cw_horizon h = c->desc;
     h.flags = c->tilted ? CW_HORIZON_TILTED : c->below ? CW_HORIZON_BELOW : 0;
-    return product_good(c->sky || c->tilted ? cw_sky_view(t, &run, &h, area, cells)
+    return product_good(c->sky || c->tilted ? cw_sky_view(t, &b->run, &h, b->area, cells)
                         : c->open || c->below
-                            ? cw_openness(t, &run, &h, area, cells)
-                            : cw_horizon_angles(t, &run, &h, (uint32_t)band, area, c->distance ? NULL : cells,
+                            ? cw_openness(t, &b->run, &h, b->area, cells)
+                            : cw_horizon_angles(t, &b->run, &h, (uint32_t)b->band, b->area, c->distance ? NULL : cells,
                                                 c->distance ? cells : NULL),
                         error);
 }

@@ -21,14 +21,12 @@ typedef struct shadow_command {
     bool share; /* floats */
 } shadow_command;
 
-static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+static bool fill(product *p, const product_block *b, void *cells, io_error *error) {
     const shadow_command *c = p->context;
     const terrain *t = &p->ground.terrain;
-    const cw_run run = product_query(p);
-    const cw_area area = {{0, row, t->nx, rows}, 0};
-    (void)band;
-    return product_good(
-        c->share ? cw_sunlight(t, &run, &c->light, area, cells) : cw_shadow(t, &run, &c->light, area, cells), error);
+    return product_good(c->share ? cw_sunlight(t, &b->run, &c->light, b->area, cells)
+                                 : cw_shadow(t, &b->run, &c->light, b->area, cells),
+                        error);
 }
 
 static bool find_sun(shadow_command *c, io_error *error) {

@@ -49,17 +49,15 @@ static bool enter(product *p, io_error *error) {
     return product_good(cw_insolation_create(&p->ground.terrain, &desc, &c->sum), error);
 }
 
-static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+static bool fill(product *p, const product_block *b, void *cells, io_error *error) {
     const sun_command *c = p->context;
     const terrain *t = &p->ground.terrain;
-    const cw_run run = product_query(p);
-    const cw_area area = {{0, row, t->nx, rows}, 0};
     const cw_horizon sky = {.count = c->at.desc.sky, .curvature = c->at.curvature, .flags = CW_HORIZON_TILTED};
-    const cw_status status = !c->irradiance   ? cw_insolation_hours(c->sum, &run, area, cells)
-                             : band == DIRECT ? cw_insolation_direct(c->sum, &run, area, cells)
-                                              : cw_sky_view(t, &run, &sky, area, cells);
-    const float light = c->irradiance && band == DIFFUSE ? (float)cw_insolation_diffuse(c->sum) : 1;
-    for (size_t k = 0; k < rows * t->nx && status == CW_OK && light != 1; k++) ((float *)cells)[k] *= light;
+    const cw_status status = !c->irradiance      ? cw_insolation_hours(c->sum, &b->run, b->area, cells)
+                             : b->band == DIRECT ? cw_insolation_direct(c->sum, &b->run, b->area, cells)
+                                                 : cw_sky_view(t, &b->run, &sky, b->area, cells);
+    const float light = c->irradiance && b->band == DIFFUSE ? (float)cw_insolation_diffuse(c->sum) : 1;
+    for (size_t k = 0; k < b->rows * b->area.at.nx && status == CW_OK && light != 1; k++) ((float *)cells)[k] *= light;
     return product_good(status, error);
 }
 

@@ -15,7 +15,6 @@ typedef struct visibility_command {
     cw_visibility_desc desc;
     unsigned directions, every;
     bool longest, share;
-    size_t nx, ny;      /* eyes */
     size_t from, until; /* rows of the product that are known */
     float *band[2];
 } visibility_command;
@@ -28,32 +27,30 @@ static bool enter(product *p, io_error *error) {
 }
 
 /* All rows that the piece is good for, at once: the land is turned toward each direction once. */
-static bool find(product *p, size_t row, io_error *error) {
+static bool find(product *p, const product_block *b, io_error *error) {
     visibility_command *c = p->context;
-    const ground *g = &p->ground;
-    const size_t every = c->every, first = row * every;
-    const cw_rectangle at = {g->window.i - g->terrain.column, g->window.j + first - g->terrain.row, g->window.nx,
-                             p->until - first};
-    const size_t rows = (at.ny + every - 1) / every;
-    for (int b = 0; b < (c->longest ? 2 : 1); b++) {
-        free(c->band[b]);
-        c->band[b] = malloc(rows * c->nx * sizeof(float));
-        if (c->band[b] == NULL) return io_fail(error, "out of memory");
+    cw_rectangle at = b->area.at;
+    at.ny = p->until - b->row * c->every;
+    const size_t rows = (at.ny + c->every - 1) / c->every;
+    for (int k = 0; k < (c->longest ? 2 : 1); k++) {
+        free(c->band[k]);
+        c->band[k] = malloc(rows * p->raster.nx * sizeof(float));
+        if (c->band[k] == NULL) return io_fail(error, "out of memory");
     }
     cw_visibility_answers to = {.area = c->band[0]};
     if (c->longest) to = (cw_visibility_answers){.farthest = c->band[0], .azimuth = c->band[1]};
     if (c->share) to = (cw_visibility_answers){.share = c->band[0]};
-    p->part = (double)rows / (double)c->ny / (c->longest ? 2 : 1); /* of all these rows, not of a block */
-    const cw_run run = product_query(p);
-    c->from = row;
-    c->until = row + rows;
-    return product_good(cw_visibility(&g->terrain, &run, &c->desc, (cw_area){at, 0}, &to), error);
+    p->part = (double)rows / (double)p->raster.ny / (double)p->raster.bands; /* of all these rows, not of a block */
+    c->from = b->row;
+    c->until = b->row + rows;
+    return product_good(cw_visibility(&p->ground.terrain, &b->run, &c->desc, (cw_area){at, 0}, &to), error);
 }
 
-static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+static bool fill(product *p, const product_block *b, void *cells, io_error *error) {
     visibility_command *c = p->context;
-    if ((row < c->from || row >= c->until) && !find(p, row, error)) return false;
-    memcpy(cells, c->band[band] + (row - c->from) * c->nx, rows * c->nx * sizeof(float));
+    const size_t nx = p->raster.nx;
+    if ((b->row < c->from || b->row >= c->until) && !find(p, b, error)) return false;
+    memcpy(cells, c->band[b->band] + (b->row - c->from) * nx, b->rows * nx * sizeof(float));
     return true;
 }
 
@@ -95,8 +92,8 @@ static bool begin(product *p, io_error *error) {
                                 : "square kilometres of ground in sight");
     for (int k = 0; k < 2; k++)
         for (int a = 0; a < 2; a++) g->map[k][a] *= (double)c->every;
-    p->raster.nx = c->nx = (g->window.nx + c->every - 1) / c->every;
-    p->raster.ny = c->ny = (g->window.ny + c->every - 1) / c->every;
+    p->raster.nx = (g->window.nx + c->every - 1) / c->every;
+    p->raster.ny = (g->window.ny + c->every - 1) / c->every;
     p->raster.white = most_of(c);
     p->raster.unit = c->share || c->longest ? NULL : "km2";
     if (c->longest) p->raster.band_names = names;

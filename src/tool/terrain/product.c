@@ -215,22 +215,9 @@ void product_scale(product *p, double scale) {
 
 void product_tell(const product *p, double share) { progress_show(p->name, share); }
 
-bool product_tell_block(void *context, double share) {
-    const product *p = context;
-    product_tell(p, p->done + share * p->part);
-    return true;
-}
-
 bool product_good(cw_status status, io_error *error) {
     if (status == CW_OK) return true;
     return io_fail(error, "%s", status == CW_ERROR_ARGUMENT ? cw_last_error() : cw_status_message(status));
-}
-
-cw_run product_query(product *p) {
-    cw_run run = p->ground.query;
-    run.watch = product_tell_block;
-    run.watch_context = p;
-    return run;
 }
 
 /* ---- all together ------------------------------------------------------------------------------------------------ */

@@ -13,6 +13,13 @@
 
 enum { PRODUCT_NOTES_MOST = 300 };
 
+/* Rows of a band to fill. */
+typedef struct product_block {
+    size_t band, row, rows; /* of the result */
+    cw_area area;           /* of the piece in memory; with every > 0 it only begins there */
+    cw_run run;             /* under a watch that shows progress */
+} product_block;
+
 typedef struct product {
     /* What the subcommand is; fill and what follows may be NULL. */
     void *context;
@@ -21,8 +28,7 @@ typedef struct product {
     bool (*check)(void *context, size_t *bands);
     /* Describes the result in all fields down to scale. */
     bool (*begin)(struct product *p, io_error *error);
-    /* Rows row to row + rows - 1 of a band, of the piece in memory and as long as that, with every > 0 of the product. */
-    bool (*fill)(struct product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error);
+    bool (*fill)(struct product *p, const product_block *block, void *cells, io_error *error);
     bool (*enter)(struct product *p, io_error *error);  /* the piece in memory is another one, with a field */
     void (*leave)(void *context);                       /* it goes, and with it what enter made; also before end */
     bool (*finish)(struct product *p, io_error *error); /* the raster is written */
@@ -83,12 +89,8 @@ bool product_write(product *p, io_error *error);
 
 /* Shows progress. */
 void product_tell(const product *p, double share);
-/* The same, of the block that is being filled, as a watch: context is the product. True. */
-bool product_tell_block(void *context, double share);
 /* For the end of a fill: false, with the reason, unless the status is CW_OK. */
 bool product_good(cw_status status, io_error *error);
-/* The query under the watch of the block that is being filled. */
-cw_run product_query(product *p);
 
 /* --curvature of products for which the earth is flat unless it is given, and of lines of sight: at first NaN. */
 option_spec product_flat_earth_row(double *curvature);

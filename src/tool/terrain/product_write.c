@@ -25,12 +25,11 @@ static size_t block_rows(const io_raster_product *p, double passes, bool few) {
 typedef struct writing {
     product *product;
     ground_plan plan;
-    bool surveyed;       /* the plan's blocks have been taken */
-    size_t rows, step;   /* rows of a block; rows of the window for each */
-    size_t from, until;  /* rows of the window that the piece is good for */
-    size_t cell;         /* bytes of one */
-    void *cells, *lines; /* a block of the window; rows of the piece, where those are longer */
-    size_t lines_room;
+    bool surveyed;      /* the plan's blocks have been taken */
+    size_t rows, step;  /* rows of a block; rows of the window for each */
+    size_t from, until; /* rows of the window that the piece is good for */
+    size_t cell;        /* bytes of one */
+    void *cells;        /* a block */
     outcome outcome;
     picture *picture; /* NULL: rows are written as they come */
     float *values;    /* of a block */
@@ -92,24 +91,24 @@ static bool check_pieces(writing *w, io_error *error) {
     return true;
 }
 
+static bool tell(void *context, double share) {
+    const product *p = context;
+    product_tell(p, p->done + share * p->part);
+    return true;
+}
+
 static bool fill_block(writing *w, size_t band, size_t row, size_t rows, io_error *error) {
     product *p = w->product;
     const ground *g = &p->ground;
-    if (p->every > 0) return p->fill(p, band, row, rows, w->cells, error);
-    const size_t nx = g->terrain.nx, first = g->window.i - g->terrain.column,
-                 local = row + g->window.j - g->terrain.row;
-    if (nx == g->window.nx) return p->fill(p, band, local, rows, w->cells, error);
-    if (w->lines_room < nx * rows) {
-        free(w->lines);
-        w->lines = malloc(nx * rows * w->cell);
-        w->lines_room = w->lines ? nx * rows : 0;
-        if (w->lines == NULL) return io_fail(error, "out of memory");
-    }
-    if (!p->fill(p, band, local, rows, w->lines, error)) return false;
-    for (size_t y = 0; y < rows; y++)
-        memcpy((char *)w->cells + y * g->window.nx * w->cell, (const char *)w->lines + (y * nx + first) * w->cell,
-               g->window.nx * w->cell);
-    return true;
+    product_block block = {.band = band, .row = row, .rows = rows, .run = g->query};
+    block.area.at = (cw_rectangle){g->window.i - g->terrain.column, row * w->step + g->window.j - g->terrain.row,
+                                   g->window.nx, rows};
+    block.run.watch = tell;
+    block.run.watch_context = p;
+    p->done = ((double)band + (double)row / (double)p->raster.ny) / (double)p->raster.bands;
+    p->part = (double)rows / (double)p->raster.ny / (double)p->raster.bands;
+    tell(p, 0);
+    return p->fill(p, &block, w->cells, error);
 }
 
 /* Floats to multiples of the scale, in place: each is off by half of that at most, since scales are powers of two. */
@@ -142,9 +141,6 @@ static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
             const size_t count = p->ny - row < w->rows ? p->ny - row : w->rows;
             const size_t at = row * w->step;
             if (!made->in_memory && (at < w->from || at >= w->until) && !next_piece(w, at, error)) return false;
-            made->done = ((double)band + (double)row / (double)p->ny) / (double)p->bands;
-            made->part = (double)count / (double)p->ny / (double)p->bands;
-            product_tell_block(made, 0);
             if (!fill_block(w, band, row, count, error) || (band == 0 && !take_block(w, row, count, error)))
                 return false;
             if (to == NULL) continue;
@@ -201,6 +197,5 @@ bool product_write(product *p, io_error *error) {
     outcome_end(&w.outcome);
     free(w.cells);
     free(w.values);
-    free(w.lines);
     return good;
 }

@@ -197,31 +197,38 @@ static bool make_room(viewshed_command *c, io_error *error) {
 
 static size_t most_seen(const viewshed_command *c) { return c->bands ? 1 : c->observers.count; }
 
+/* Cells of a row, whose samples are z, from those of the terrain number first on. */
+static void fill_row(const viewshed_command *c, size_t first, const float *z, size_t n, void *cells) {
+    const double metres = terrain_metres_of_height(&c->product.ground.terrain);
+    float *numbers = cells;
+    for (size_t k = 0; k < n; k++) {
+        const size_t at = first + k;
+        const bool hole = !isfinite(z[k]);
+        if (c->numbers)
+            numbers[k] = c->absolute ? (float)(c->numbers[at] + z[k] * metres) : c->numbers[at];
+        else if (c->sums)
+            numbers[k] = hole ? NAN : (float)c->sums[at];
+        else if (most_seen(c) <= COUNT_SMALL)
+            ((uint8_t *)cells)[k] = hole ? 255 : (uint8_t)c->seen[at];
+        else
+            ((uint16_t *)cells)[k] = hole ? 65535 : c->seen[at];
+    }
+}
+
 /* The view of a band's observer is found when the band is begun. */
-bool viewshed_fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+bool viewshed_fill(product *p, const product_block *b, void *cells, io_error *error) {
     viewshed_command *c = p->context;
     const terrain *t = &p->ground.terrain;
-    const size_t first = row * t->nx, n = rows * t->nx;
-    const float *z = t->z + first;
-    if (c->bands && c->made <= band) {
-        c->observer = band;
+    const cw_rectangle at = b->area.at;
+    if (c->bands && c->made <= b->band) {
+        c->observer = b->band;
         if (c->seen) memset(c->seen, 0, t->nx * t->ny * sizeof *c->seen);
         if (!look_from(c, error)) return false;
-        c->made = band + 1;
+        c->made = b->band + 1;
     }
-    if (c->numbers) {
-        const double metres = terrain_metres_of_height(t);
-        float *to = memcpy(cells, c->numbers + first, n * sizeof *to);
-        for (size_t k = 0; k < n && c->absolute; k++) to[k] = (float)(to[k] + z[k] * metres);
-    } else if (c->sums) {
-        float *to = cells;
-        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? (float)c->sums[first + k] : NAN;
-    } else if (most_seen(c) <= COUNT_SMALL) {
-        uint8_t *to = cells;
-        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? (uint8_t)c->seen[first + k] : 255;
-    } else {
-        uint16_t *to = cells;
-        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? c->seen[first + k] : 65535;
+    for (size_t y = 0; y < at.ny; y++) {
+        const size_t first = (at.j + y) * t->nx + at.i;
+        fill_row(c, first, t->z + first, at.nx, (char *)cells + y * at.nx * io_cell_bytes(p->raster.cell));
     }
     return true;
 }

@@ -51,7 +51,7 @@ enum { VIEW_NEAR, VIEW_FULL };
 
 /* For a product. */
 bool viewshed_begin(product *p, io_error *error);
-bool viewshed_fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error);
+bool viewshed_fill(product *p, const product_block *block, void *cells, io_error *error);
 bool viewshed_finish(product *p, io_error *error);
 void viewshed_end(void *context);
 
