@@ -218,8 +218,7 @@ static void print_field_json(const char *path, const survey *s) {
     json_print(stdout, ", 'field': {'path': %s, 'nx': %u, 'ny': %u, 'low': %g, 'high': %g, 'holes': %u, ", path, f->nx,
                f->ny, some ? (double)f->low : NAN, some ? (double)f->high : NAN, f->holes);
     json_print(stdout,
-               "'bytes_samples': %u, 'bytes_built': %u, 'bytes_per_cell': %g, 'read_seconds': %g, "
-               "'build_seconds': %g",
+               "'bytes_samples': %u, 'bytes_built': %u, 'bytes_per_cell': %g, 'read_seconds': %g, 'build_seconds': %g",
                (size_t)sample_bytes(f), f->bytes_built, bytes_per_cell(f), s->read_seconds,
                s->header ? 0 : cw_field_build_seconds(s->file.field));
     if ((r->z || s->header) && g->placed) {

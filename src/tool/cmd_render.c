@@ -9,7 +9,6 @@
 #include "progress.h"
 #include "scene.h"
 #include "terrain/view.h"
-#include "trade.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -179,9 +178,9 @@ static bool read_area(render_command *c) {
 static int run(int argc, char **argv) {
     static render_command c = {.view = {.water = NAN}}; /* large */
     option_spec curvature = product_flat_earth_row(&c.view.curvature);
-    curvature.help = "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 with usual "
-                     "refraction; terrain is lowered around the eye that --from places, and shadows are those of the "
-                     "lowered terrain";
+    curvature.help =
+        "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 with usual refraction; "
+        "terrain is lowered around the eye that --from places, and shadows are those of the lowered terrain";
     const option_spec options[] = {
         option_output("IMAGE", &c.output, "the picture: .exr (half RGBA, linear) or .png (8 bit, sRGB)"),
         option_count("samples", "N", &c.samples, 1, 65536,
@@ -229,8 +228,10 @@ static int run(int argc, char **argv) {
             "SCENE.pbrt is in the part of pbrt's scene language that height-field scenes need: shapes heightfield and "
             "cylinder, materials matte and mirror, image textures, point lights, a perspective camera. Anything else "
             "in the file is an error with its line, or a warning if it changes neither geometry nor light. The options "
-            "--from, --to, --sun, --time, --fov, --sky, --haze, --water, --curvature and those on how to read a "
-            "raster are for terrain only.\n\n" TRADE_RENDER,
+            "--from, --to, --sun, --time, --fov, --sky, --haze, --water, --curvature and those on how to read a raster "
+            "are for terrain only.\n\n" FIELD_TRADE
+            " With 4 samples a pixel a picture takes 1/12 of the time of 64, and its RMS error is 0.01 instead of "
+            "0.001, with 16 1/3.9 and 0.0032.\n",
         .examples = "  cellwalk render dem.tif -o overview.png\n"
                     "  cellwalk render dem.tif --from 600250,5199800,30 --to 603000,5203000 \\\n"
                     "      --sun 225,30 --size 1600x900 --samples 16 -o view.png\n"

@@ -10,7 +10,6 @@
 #include "json.h"
 #include "progress.h"
 #include "trace_files.h"
-#include "trade.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -181,14 +180,13 @@ static int run_request(request *r, bool timing) {
 static const char what[] =
     "Finds where rays hit a height field and writes one hit a ray as a NumPy array.\n\n" FIELD_FILE_HELP
     "\nRAYS is a NumPy array (.npy) of float32 with the shape (N, 8): origin x, y, z, tmin, direction x, y, z, tmax, "
-    "in "
-    "field space: org + t dir for t in [tmin, tmax]. With --user it is float64, in the coordinates of the field's "
+    "in field space: org + t dir for t in [tmin, tmax]. With --user it is float64, in the coordinates of the field's "
     "map.\n\n"
     "HITS becomes a NumPy array of N records with the fields t (float32), i, j (int32: the cell), triangle (uint32: 0 "
     "below the diagonal, 1 above), u, v (float32: barycentric). A miss has t = inf, i = j = -1 and 0 elsewhere. With "
     "--occluded it is N numbers of one byte (uint8): 1 where the ray hits anything, else 0.\n\n"
     "Rays and hits need not fit into memory. HITS is renamed into place when complete. The name - is standard output, "
-    "and for RAYS standard input, redirected from a file.\n\n" TRADE_TRACE;
+    "and for RAYS standard input, redirected from a file.\n\n" FIELD_TRADE "\n";
 
 static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.npy\n"
                                "  cellwalk trace dem.tif lidar.npy --user --points -o hits.npy --stats\n"

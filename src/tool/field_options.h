@@ -39,10 +39,14 @@ bool field_options_open(const field_options *f, const char *path, raster_field *
 bool field_is_scene(const char *path);
 
 #define FIELD_FILE_HELP                                                                                                \
-    "FIELD is a height field: a NumPy array (.npy: two-dimensional, float32,\n"                                        \
-    "float64, int16 or uint16), the only heightfield of a scene (.pbrt), or any other\n"                               \
-    "raster that GDAL reads (GeoTIFF, ASCII grid, .hgt, VRT, PGM, ...).\n"                                             \
-    "Sample [j, i] stands at x = i, y = j of field space;\n"                                                           \
-    "NaN, infinity and missing data are holes.\n"
+    "FIELD is a height field: a NumPy array (.npy: two-dimensional, float32, float64, int16 or uint16), the only "     \
+    "heightfield of a scene (.pbrt), or any other raster that GDAL reads (GeoTIFF, ASCII grid, .hgt, VRT, PGM, ...). " \
+    "Sample [j, i] stands at x = i, y = j of field space; NaN, infinity and missing data are holes.\n"
+
+/* What --coarser gains and costs, by papers/tradeoff.md. */
+#define FIELD_TRADE                                                                                                    \
+    "To save time, measured on rough terrain of 32769 x 32769 samples (papers/tradeoff.md): --coarser 2 makes rays "   \
+    "1.5 times as fast, with distances off by 0.0028 % (99 % of them: 0.063 %), --coarser 8 3 times and 0.017 % "      \
+    "(99 % of them: 0.55 %)."
 
 #endif

@@ -17,35 +17,16 @@
 static const char *running = "cellwalk"; /* the program's name */
 
 /* All that the program writes to standard error, but for the line of progress, comes this way. It takes that line's place. */
-static void print_message(const char *name, const char *kind, const char *format, va_list arguments) {
+int command_fail(const char *name, const char *format, ...) {
     char text[4096];
+    va_list arguments;
+    va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
     make_printable(text);
     progress_end();
-    fprintf(stderr, "%s%s%s: %s%s\n", running, *name ? " " : "", name, kind, text);
-}
-
-int command_fail(const char *name, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    print_message(name, "", format, arguments);
-    va_end(arguments);
+    fprintf(stderr, "%s%s%s: %s\n", running, *name ? " " : "", name, text);
     return EXIT_FAILURE;
-}
-
-bool command_refuse(const char *name, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    print_message(name, "", format, arguments);
-    va_end(arguments);
-    return false;
-}
-
-void command_note(const char *name, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    print_message(name, "", format, arguments);
-    va_end(arguments);
 }
 
 void command_wrote(const char *name, bool quiet, const char *file, double start, const char *format, ...) {
@@ -56,13 +37,6 @@ void command_wrote(const char *name, bool quiet, const char *file, double start,
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     command_note(name, "%s: %s, %.2f s", file, text, clock_seconds() - start);
-}
-
-void command_warn(const char *name, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    print_message(name, "warning: ", format, arguments);
-    va_end(arguments);
 }
 
 void command_print_name(FILE *to, const char *name) { fprintf(to, "%s%s%s", running, *name ? " " : "", name); }

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 typedef struct command {
     const char *name; /* "trace" */
@@ -31,12 +32,12 @@ int program_main(const program *p, int argc, char **argv);
  * with the signal. */
 enum { EXIT_USAGE = 2 };
 
-/* Prints "PROGRAM NAME: message", or "PROGRAM: message" if name is empty, and returns EXIT_FAILURE, or for checks false. */
+/* Prints "PROGRAM NAME: message", or "PROGRAM: message" if name is empty, and returns EXIT_FAILURE. */
 __attribute__((format(printf, 2, 3))) int command_fail(const char *name, const char *format, ...);
-__attribute__((format(printf, 2, 3))) bool command_refuse(const char *name, const char *format, ...);
-/* The same for what is no failure; "PROGRAM NAME: warning: message". */
-__attribute__((format(printf, 2, 3))) void command_note(const char *name, const char *format, ...);
-__attribute__((format(printf, 2, 3))) void command_warn(const char *name, const char *format, ...);
+/* The same: false, for checks; for what is no failure; and "PROGRAM NAME: warning: message". */
+#define command_refuse(...)     (command_fail(__VA_ARGS__) == EXIT_SUCCESS)
+#define command_note(...)       ((void)command_fail(__VA_ARGS__))
+#define command_warn(name, ...) command_note(name, "warning: " __VA_ARGS__)
 
 /* Notes what came of a command that began at a second of the clock: "FILE: TEXT, 0.31 s". Not if quiet, nor if the file is NULL or "-". */
 __attribute__((format(printf, 5, 6))) void command_wrote(const char *name, bool quiet, const char *file, double start,

@@ -266,16 +266,14 @@ static int run(int argc, char **argv) {
         option_text("lon-lat", "LON,LAT", &c.place,
                     "where on earth the terrain is, in degrees, for files that do not say; the map's north is then the "
                     "true one"),
-        option_text(
-            "at", "X,Y[,H]", &c.at.at,
-            "print a table of the sun at one place of the map, H metres above ground (default: 0) or X,Y,=Z, as CSV: a "
-            "row a day, or for more than 62 days a row a month: when it is first and last seen behind the hills (UTC; "
-            "of a month the mean), hours, and direct and diffuse light in watt hours a square metre; free_... are "
-            "without hills"),
-        option_text(
-            "tilt", "DEG", &c.at.tilt,
-            "with --at: light on a surface that leans by so much, as a roof (90: a wall), or the word ground: as the "
-            "ground leans there (default: 0, level)"),
+        option_text("at", "X,Y[,H]", &c.at.at,
+                    "print a table of the sun at one place of the map, H metres above ground (default: 0) or X,Y,=Z, "
+                    "as CSV: a row a day, or for more than 62 days a row a month: when it is first and last seen "
+                    "behind the hills (UTC; of a month the mean), hours, and direct and diffuse light in watt hours a "
+                    "square metre; free_... are without hills"),
+        option_text("tilt", "DEG", &c.at.tilt,
+                    "with --at: light on a surface that leans by so much, as a roof (90: a wall), or the word ground: "
+                    "as the ground leans there (default: 0, level)"),
         option_number("facing", "AZ", &c.at.facing,
                       "with --tilt: where the surface looks to, in degrees from the map's north (default: 180)"),
         option_metres(

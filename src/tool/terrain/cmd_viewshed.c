@@ -120,9 +120,9 @@ static int run(int argc, char **argv) {
                     "write a band for each observer instead of counts; also with --angle and --needed"),
         option_text(
             "table", "FILE", &c.table,
-            "also write a table (CSV) with a line for each observer: how many samples it sees, the area of "
-            "their cells on the ground in square kilometres, the farthest one, and the name if the file has names. "
-            "Samples stand out, so more of them are in sight than of the ground: see 'cellwalk visibility'"),
+            "also write a table (CSV) with a line for each observer: how many samples it sees, the area of their cells "
+            "on the ground in square kilometres, the farthest one, and the name if the file has names. Samples stand "
+            "out, so more of them are in sight than of the ground: see 'cellwalk visibility'"),
         option_text("within", "FILE", &c.within,
                     "in the table, count only samples inside the polygons of a file that GDAL reads, brought to the "
                     "terrain's map"),
@@ -145,11 +145,8 @@ static int run(int argc, char **argv) {
             "seen. What is written instead of counts: --weights, --angle or --needed, and with --bands a band for each "
             "observer.\n\n"
             "Which site sees most? For a few sites --table says it, with --within of the ground that matters. For "
-            "every site at once look from the other end: "
-            "the "
-            "samples of the valley as --observers, of height 0, and --target-height 10 count at each sample how much "
-            "of "
-            "the valley a mast of 10 m sees from there.\n\n"
+            "every site at once look from the other end: the samples of the valley as --observers, of height 0, and "
+            "--target-height 10 count at each sample how much of the valley a mast of 10 m sees from there.\n\n"
             "The surface is two triangles between each four samples, lowered by the earth's curvature; every sample's "
             "line is decided exactly, and one that touches the surface is blocked.\n\n" PRODUCT_PLACE_HELP "\n",
         .examples = "  cellwalk viewshed dem.tif --from 600250,5199800 -o seen.png\n"

@@ -127,8 +127,7 @@ static int run(int argc, char **argv) {
     const option_spec options[] = {
         option_flag("longest", &c.longest,
                     "write how far one sees instead: metres to the farthest ground in sight, and in a second band its "
-                    "azimuth from "
-                    "the map's north"),
+                    "azimuth from the map's north"),
         option_flag(
             "share", &c.share,
             "write a share instead, 0 to 1: of all ground within --max-distance and the raster, what is in sight"),

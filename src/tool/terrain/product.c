@@ -52,16 +52,15 @@ static option_spec curvature_row(double *curvature, const char *help) {
 }
 
 option_spec product_flat_earth_row(double *curvature) {
-    return curvature_row(curvature,
-                         "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 "
-                         "with usual refraction");
+    return curvature_row(
+        curvature,
+        "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 with usual refraction");
 }
 
 option_spec product_round_earth_row(double *curvature) {
     *curvature = NAN;
-    return curvature_row(curvature,
-                         "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 with "
-                         "usual refraction (default: 6/7, or 0 for a file without map and --cellsize)");
+    return curvature_row(curvature, "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 "
+                                    "with usual refraction (default: 6/7, or 0 for a file without map and --cellsize)");
 }
 
 bool product_parse_sun(const char *name, const char *text, double sun[2]) {
