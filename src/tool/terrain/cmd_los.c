@@ -23,186 +23,157 @@ typedef struct los_command {
     bool json;
     const char *pairs, *output, *profile;
     ground_place places[2];
+    /* The work. */
+    io_output results, profiles;
+    line line;         /* the one that is looked at */
+    profile along;     /* it, if radio or a profile asks for it */
+    clearance free;    /* for radio */
+    size_t visible;    /* pairs so far */
+    io_table table;    /* of pairs */
+    size_t columns[7]; /* of names */
 } los_command;
 
-/* c is NULL where nothing was asked about radio. */
-static void print_json(const line *l, const clearance *c) {
+static bool find_line(los_command *c, size_t number, const ground_place places[2], io_error *error) {
+    const bool radio = c->megahertz > 0;
+    if (!line_find_on(&c->line, &c->product.ground, places, c->curvature, radio || c->profile ? &c->along : NULL,
+                      error))
+        return false;
+    if (radio) line_clearance(&c->line, c->megahertz, &c->along, &c->free);
+    c->visible += !c->line.blocked;
+    return !c->profile || line_write_profile(&c->line, number, c->megahertz, &c->along, &c->profiles, error);
+}
+
+/* ---- two places ---------------------------------------------------------------------------------------------------- */
+
+static void print_json(const los_command *c) {
+    const line *l = &c->line;
     json_print(stdout, "{'visible': %b, 'distance': %g", !l->blocked, l->length);
     if (l->blocked)
         printf(", \"blocked_at\": [%.10g, %.10g], \"blocked_height\": %.10g, \"blocked_distance\": %.10g", l->block[0],
                l->block[1], l->block_height, l->block_distance);
-    if (c)
-        json_print(stdout, ", 'clearance': %g, 'clearance_distance': %g, 'fresnel_radius': %g", c->share, c->distance,
-                   c->radius);
+    if (c->megahertz > 0)
+        json_print(stdout, ", 'clearance': %g, 'clearance_distance': %g, 'fresnel_radius': %g", c->free.share,
+                   c->free.distance, c->free.radius);
     puts("}");
 }
 
-static void print(const line *l, const clearance *c) {
+static void print(const los_command *c) {
+    const line *l = &c->line;
     if (l->blocked)
         printf("blocked: %.3f m from the first place, of %.3f m, at a height of %.3f m\nat %.10g,%.10g\n",
                l->block_distance, l->length, line_no_minus(l->block_height), l->block[0], l->block[1]);
     else
         printf("visible: %.3f m\n", l->length);
-    if (c && isnan(c->share))
+    if (c->megahertz > 0 && isnan(c->free.share))
         puts("no ground lies between the places");
-    else if (c)
+    else if (c->megahertz > 0)
         printf("least clearance: %.0f %% of the first Fresnel zone's radius of %.3f m, %.3f m from the first place\n",
-               100 * c->share, c->radius, c->distance);
+               100 * c->free.share, c->free.radius, c->free.distance);
 }
 
-static bool look(los_command *c, io_output *profiles, io_error *error) {
-    const bool radio = c->megahertz > 0;
-    line l;
-    profile p = {0};
-    clearance free;
-    const bool along = profiles != NULL || radio;
-    bool good = line_find_on(&l, &c->product.ground, c->places, c->curvature, along ? &p : NULL, error);
-    good = good && (profiles == NULL || (line_head_profiles(c->megahertz, profiles, error) &&
-                                         line_write_profile(&l, 1, c->megahertz, &p, profiles, error)));
-    if (good && radio) line_clearance(&l, c->megahertz, &p, &free);
-    cw_profile_free(&p);
-    if (!good) return false;
-    progress_end();
-    (c->json ? print_json : print)(&l, radio ? &free : NULL);
-    return true;
-}
-
-/* ---- pairs from a table ------------------------------------------------------------------------------------------- */
+/* ---- pairs of a table ----------------------------------------------------------------------------------------------- */
 
 enum { X1, Y1, X2, Y2, HEIGHT1, HEIGHT2, NAME, NAMES };
 static const char *const columns[NAMES] = {"x1", "y1", "x2", "y2", "height1", "height2", "name"};
 
-typedef struct job {
-    los_command *command;
-    io_table table;
-    size_t columns[NAMES];
-    profile profile;
-    io_output *results, *profiles;
-    size_t visible; /* pairs so far */
-} job;
-
-static bool find_columns(job *j, io_error *error) {
-    const io_table *t = &j->table;
-    const ground_watch *w = &j->command->product.ground.watch;
-    if (t->rows == 0) return io_fail(error, "%s: holds no pairs", t->path);
-    return io_table_columns(t, columns, NAMES, HEIGHT1, j->columns, w->warn, w->context, error);
-}
-
 enum { TEXT = 300 };
 
-static bool is_named(const job *j) { return j->columns[NAME] < j->table.columns; }
+static bool is_named(const los_command *c) { return c->columns[NAME] < c->table.columns; }
 
 /* "" without such a column. */
-static const char *name_of(const job *j, size_t row) {
-    if (!is_named(j)) return "";
-    char *text = j->table.cells[row * j->table.columns + j->columns[NAME]];
+static const char *name_of(const los_command *c, size_t row) {
+    if (!is_named(c)) return "";
+    char *text = c->table.cells[row * c->table.columns + c->columns[NAME]];
     make_printable(text);
     return text;
 }
 
 /* One end of a row's line. */
-static bool take_place(const job *j, size_t row, int end, ground_place *p, char text[TEXT], io_error *error) {
-    const io_table *t = &j->table;
-    const size_t *c = j->columns, x = c[end ? X2 : X1], y = c[end ? Y2 : Y1], height = c[end ? HEIGHT2 : HEIGHT1];
+static bool take_place(const los_command *c, size_t row, int end, ground_place *p, char text[TEXT], io_error *error) {
+    const io_table *t = &c->table;
+    const size_t x = c->columns[end ? X2 : X1], y = c->columns[end ? Y2 : Y1],
+                 height = c->columns[end ? HEIGHT2 : HEIGHT1];
     *p = (ground_place){.text = text};
     if (!io_table_number(t, row, x, &p->x, error) || !io_table_number(t, row, y, &p->y, error)) return false;
     if (height < t->columns && !io_table_height(t, row, height, &p->z, &p->absolute, error)) return false;
-    const char *called = name_of(j, row);
+    const char *called = name_of(c, row);
     snprintf(text, TEXT, "%.150s:%zu%s%.47s%s: %.10g,%.10g,%s%.10g", t->path, t->lines[row], called[0] ? " (" : "",
              called, called[0] ? ")" : "", p->x, p->y, p->absolute ? "=" : "", p->z);
     return true;
 }
 
-static bool write_row(job *j, size_t row, const line *l, io_error *error) {
-    if (!io_output_print(j->results, error, "%zu,%.12g,%.12g,%.12g,%.12g,%d,%.3f,", row + 1, l->ends[0][0],
-                         l->ends[0][1], l->ends[1][0], l->ends[1][1], !l->blocked, l->length))
+static bool write_row(los_command *c, size_t row, io_error *error) {
+    const line *l = &c->line;
+    io_output *to = &c->results;
+    if (!io_output_print(to, error, "%zu,%.12g,%.12g,%.12g,%.12g,%d,%.3f,", row + 1, l->ends[0][0], l->ends[0][1],
+                         l->ends[1][0], l->ends[1][1], !l->blocked, l->length))
         return false;
-    if (!(l->blocked ? io_output_print(j->results, error, "%.3f,%.12g,%.12g,%.3f", l->block_distance, l->block[0],
-                                       l->block[1], line_no_minus(l->block_height))
-                     : io_output_print(j->results, error, ",,,")))
+    if (!(l->blocked ? io_output_print(to, error, "%.3f,%.12g,%.12g,%.3f", l->block_distance, l->block[0], l->block[1],
+                                       line_no_minus(l->block_height))
+                     : io_output_print(to, error, ",,,")))
         return false;
-    clearance c;
-    if (j->command->megahertz > 0) {
-        line_clearance(l, j->command->megahertz, &j->profile, &c);
-        if (!(isnan(c.share) ? io_output_print(j->results, error, ",,,")
-                             : io_output_print(j->results, error, ",%.4f,%.3f,%.3f", c.share, c.distance, c.radius)))
-            return false;
-    }
-    return (!is_named(j) || io_table_write_cell(j->results, name_of(j, row), error)) &&
-           io_output_write(j->results, "\n", 1, error);
+    if (c->megahertz > 0 && !(isnan(c->free.share) ? io_output_print(to, error, ",,,")
+                                                   : io_output_print(to, error, ",%.4f,%.3f,%.3f", c->free.share,
+                                                                     c->free.distance, c->free.radius)))
+        return false;
+    return (!is_named(c) || io_table_write_cell(to, name_of(c, row), error)) && io_output_write(to, "\n", 1, error);
 }
 
-static bool look_at_pair(job *j, size_t row, io_error *error) {
+static bool look_at_pairs(los_command *c, io_error *error) {
+    const io_table *t = &c->table;
+    ground *g = &c->product.ground;
     char texts[2][TEXT];
     ground_place places[2];
-    line l;
-    for (int end = 0; end < 2; end++)
-        if (!take_place(j, row, end, &places[end], texts[end], error)) return false;
-    profile *p = j->profiles || j->command->megahertz > 0 ? &j->profile : NULL;
-    if (!line_find_on(&l, &j->command->product.ground, places, j->command->curvature, p, error) ||
-        !write_row(j, row, &l, error))
+    if (ground_is_small(g) && !ground_read(g, ground_all(g), false, error)) return false;
+    if (!io_table_read(c->pairs, &c->table, error)) return false;
+    if (t->rows == 0) return io_fail(error, "%s: holds no pairs", t->path);
+    if (!io_table_columns(t, columns, NAMES, HEIGHT1, c->columns, g->watch.warn, g->watch.context, error) ||
+        !io_output_print(&c->results, error,
+                         "pair,x1,y1,x2,y2,visible,distance,blocked_distance,blocked_x,blocked_y,blocked_height%s%s\n",
+                         c->megahertz > 0 ? ",clearance,clearance_distance,fresnel_radius" : "",
+                         is_named(c) ? ",name" : ""))
         return false;
-    j->visible += !l.blocked;
-    return j->profiles == NULL ||
-           line_write_profile(&l, row + 1, j->command->megahertz, &j->profile, j->profiles, error);
-}
-
-static bool look_at_all(job *j, io_error *error) {
-    static const char head[] = "pair,x1,y1,x2,y2,visible,distance,blocked_distance,blocked_x,blocked_y,blocked_height";
-    static const char *const more = ",clearance,clearance_distance,fresnel_radius";
-    const size_t rows = j->table.rows;
-    if (!find_columns(j, error) || !io_output_write(j->results, head, sizeof head - 1, error)) return false;
-    if (!io_output_print(j->results, error, "%s%s\n", j->command->megahertz > 0 ? more : "",
-                         is_named(j) ? ",name" : ""))
-        return false;
-    if (j->profiles && !line_head_profiles(j->command->megahertz, j->profiles, error)) return false;
-    for (size_t row = 0; row < rows; row++) {
-        if (!look_at_pair(j, row, error)) return false;
-        product_tell(&j->command->product, (double)(row + 1) / (double)rows);
+    for (size_t row = 0; row < t->rows; row++) {
+        for (int end = 0; end < 2; end++)
+            if (!take_place(c, row, end, &places[end], texts[end], error)) return false;
+        if (!find_line(c, row + 1, places, error) || !write_row(c, row, error)) return false;
+        product_tell(&c->product, (double)(row + 1) / (double)t->rows);
     }
     return true;
 }
 
-static bool look_at_pairs(los_command *c, io_output *results, io_output *profiles, size_t *visible, size_t *pairs,
-                          io_error *error) {
-    job j = {.command = c, .results = results, .profiles = profiles};
-    ground *g = &c->product.ground;
-    if (ground_is_small(g) && !ground_read(g, ground_all(g), false, error)) return false;
-    if (!io_table_read(c->pairs, &j.table, error)) return false;
-    const bool good = look_at_all(&j, error);
-    *visible = j.visible;
-    *pairs = j.table.rows;
-    io_table_free(&j.table);
-    cw_profile_free(&j.profile);
-    return good;
-}
-
 /* ---- all together ------------------------------------------------------------------------------------------------- */
 
-static bool answer(los_command *c, io_error *error) {
-    size_t visible = 0, pairs = 0;
-    io_output results = {0}, profiles = {0}, *to = c->profile ? &profiles : NULL;
+static bool look(los_command *c, io_error *error) {
     c->curvature = ground_curvature(&c->product.ground, c->curvature);
     if (c->pairs && !io_inputs_note_path(c->pairs)) return io_fail(error, "out of memory");
-    bool good = !c->profile || io_output_open(&profiles, c->profile, error);
-    if (c->pairs) {
-        good = good && io_output_open(&results, c->output ? c->output : "-", error) &&
-               look_at_pairs(c, &results, to, &visible, &pairs, error);
-        progress_end();
-        good = good && (!to || io_output_settle(to, error)) && io_output_commit(&results, error);
-    } else {
-        good = good && look(c, to, error);
-    }
-    good = good && (!to || io_output_commit(to, error));
-    io_output_discard(&results);
-    io_output_discard(&profiles);
+    if (c->profile &&
+        (!io_output_open(&c->profiles, c->profile, error) || !line_head_profiles(c->megahertz, &c->profiles, error)))
+        return false;
+    if (c->pairs && (!io_output_open(&c->results, c->output ? c->output : "-", error) || !look_at_pairs(c, error)))
+        return false;
+    if (!c->pairs && !find_line(c, 1, c->places, error)) return false;
+    progress_end();
+    if (!c->pairs) (c->json ? print_json : print)(c);
+    return (!c->profile || io_output_settle(&c->profiles, error)) &&
+           (!c->pairs || io_output_commit(&c->results, error)) &&
+           (!c->profile || io_output_commit(&c->profiles, error));
+}
+
+static bool answer(los_command *c, io_error *error) {
+    const product *p = &c->product;
+    const bool good = look(c, error);
+    io_output_discard(&c->results);
+    io_output_discard(&c->profiles);
+    cw_profile_free(&c->along);
     if (good && c->pairs)
-        command_wrote(name, c->product.quiet, c->output, c->product.start, "%zu of %zu pairs see each other", visible,
-                      pairs);
+        command_wrote(name, p->quiet, c->output, p->start, "%zu of %zu pairs see each other", c->visible,
+                      c->table.rows);
     if (good && c->pairs)
-        command_wrote(name, c->product.quiet, c->profile, c->product.start, "profiles of %zu pairs", pairs);
+        command_wrote(name, p->quiet, c->profile, p->start, "profiles of %zu pairs", c->table.rows);
     else if (good)
-        command_wrote(name, c->product.quiet, c->profile, c->product.start, "profile between two places");
+        command_wrote(name, p->quiet, c->profile, p->start, "profile between two places");
+    io_table_free(&c->table);
     return good;
 }
 
