@@ -24,54 +24,32 @@ typedef struct render_command {
     view_options view;
     const char *output, *size, *crop;
     unsigned samples, seed;
-    bool phong, quiet, stats, json;
+    bool phong, quiet, json;
     bool terrain;         /* not a scene */
     size_t width, height; /* from size; 0: as the scene says */
     scene_crop part;      /* from crop */
 } render_command;
-
-/* The steps outside of scene_render. */
-typedef struct render_times {
-    double load, write;
-} render_times;
 
 static void warn(void *context, const char *message) {
     (void)context;
     command_warn("render", "%s", message);
 }
 
-/* Rays per second of the whole rendering, in millions. */
-static double mrays(const scene_render_stats *s) {
-    return (double)(s->camera_rays + s->shadow_rays + s->mirror_rays) / s->seconds * 1e-6;
-}
-
-static const char *kernel_name(scene *s, const cw_run *query) {
-    const cw_field *field = scene_field_count(s) > 0 ? scene_field(s, 0) : NULL;
-    return cw_kernel_describe(cw_run_kernel(field, query)).name;
-}
-
-static void print_stats(const scene_render_stats *s, const render_times *outside, const char *kernel) {
-    printf("kernel        %s\n"
-           "camera rays   %llu\nshadow rays   %llu\nmirror rays   %llu\nfield queries %llu\n"
-           "parsing       %.3f s, with images\nbuilding      %.3f s\nrendering     %.3f s, %.1f Mrays/s\n"
-           "  rays        %.3f s, added up over threads as are the next three\n  tracing     %.3f s\n"
-           "  shading     %.3f s\n  film        %.3f s\nwriting       %.3f s\n",
-           kernel, (unsigned long long)s->camera_rays, (unsigned long long)s->shadow_rays,
-           (unsigned long long)s->mirror_rays, (unsigned long long)s->field_queries, outside->load, s->build_seconds,
-           s->seconds, mrays(s), s->ray_seconds, s->trace_seconds, s->shade_seconds, s->film_seconds, outside->write);
-}
-
-static void print_json(const scene_render_stats *s, const render_times *outside, const char *kernel, const char *path,
-                       const io_image *image) {
+/* load and write: seconds outside of scene_render. */
+static void print_json(const render_command *c, scene *of, const scene_render_stats *s, double load, double write,
+                       const char *path, const io_image *image) {
+    const cw_field *field = scene_field_count(of) > 0 ? scene_field(of, 0) : NULL;
     json_print(stdout,
                "{'scene': %s, 'width': %u, 'height': %u, 'kernel': %s, 'camera_rays': %u, 'shadow_rays': %u, "
                "'mirror_rays': %u, 'field_queries': %u, 'load_seconds': %g, 'build_seconds': %g, 'seconds': %g, ",
-               path, image->width, image->height, kernel, (size_t)s->camera_rays, (size_t)s->shadow_rays,
-               (size_t)s->mirror_rays, (size_t)s->field_queries, outside->load, s->build_seconds, s->seconds);
+               path, image->width, image->height, cw_kernel_describe(cw_run_kernel(field, &c->fields.query)).name,
+               (size_t)s->camera_rays, (size_t)s->shadow_rays, (size_t)s->mirror_rays, (size_t)s->field_queries, load,
+               s->build_seconds, s->seconds);
     json_print(stdout,
                "'ray_seconds': %g, 'trace_seconds': %g, 'shade_seconds': %g, 'film_seconds': %g, 'write_seconds': %g, "
                "'mrays_per_s': %g}\n",
-               s->ray_seconds, s->trace_seconds, s->shade_seconds, s->film_seconds, outside->write, mrays(s));
+               s->ray_seconds, s->trace_seconds, s->shade_seconds, s->film_seconds, write,
+               (double)(s->camera_rays + s->shadow_rays + s->mirror_rays) / s->seconds * 1e-6);
 }
 
 static void tell(void *context, double share) {
@@ -81,7 +59,7 @@ static void tell(void *context, double share) {
 
 /* The output file is opened first, so that no work is done in vain. */
 static int render(const render_command *c, const char *path, scene *s, double begun) {
-    render_times times = {.load = clock_seconds() - begun};
+    const double load = clock_seconds() - begun;
     const scene_render_options options = {.query = c->fields.query,
                                           .threads = c->fields.threads,
                                           .samples = c->samples,
@@ -101,14 +79,13 @@ static int render(const render_command *c, const char *path, scene *s, double be
     const double start = clock_seconds();
     good = good && io_image_put(&out, &image, &error) && io_output_commit(&out, &error);
     io_output_discard(&out); /* nothing after the commit */
-    times.write = clock_seconds() - start;
+    const double written = clock_seconds() - start;
     /* Every visible point of the ground traces a shadow ray, of water a mirrored one. */
     if (good && c->terrain && !c->quiet && stats.shadow_rays + stats.mirror_rays == 0)
         warn(NULL, "nothing of the terrain is in the picture; --from and --to are places on its map");
     if (good)
         command_wrote(name, c->quiet, c->output, begun, "%zu x %zu pixels", (size_t)image.width, (size_t)image.height);
-    if (good && c->stats) print_stats(&stats, &times, kernel_name(s, &c->fields.query));
-    if (good && c->json) print_json(&stats, &times, kernel_name(s, &c->fields.query), path, &image);
+    if (good && c->json) print_json(c, s, &stats, load, written, path, &image);
     io_image_free(&image);
     return good ? EXIT_SUCCESS : command_fail(name, "%s", error.text);
 }
@@ -192,8 +169,7 @@ static int run(int argc, char **argv) {
         option_count("seed", "N", &c.seed, 0, UINT32_MAX, "number of the pattern of samples in a pixel (default: 0)"),
         option_flag("phong", &c.phong, "smooth height fields by Phong normals"),
         option_flag("quiet", &c.quiet, "print neither progress nor warnings nor the line at the end"),
-        option_flag("stats", &c.stats, "print counts of rays, and seconds for each step"),
-        option_flag("json", &c.json, "print the counts and times of --stats as one JSON object"),
+        option_flag("json", &c.json, "print counts of rays, and seconds for each step, as one JSON object"),
         option_text("from", "X,Y[,H]", &c.view.from,
                     "the eye's place on the map, H metres above ground (default: 2), or X,Y,=Z at an absolute height "
                     "in metres; without --from the eye is south of the terrain and sees all of it"),
@@ -238,7 +214,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk render dem.tif --time 2024-06-21T12:00:00Z --sky --haze 40000 \\\n"
                     "      --water 310 -o lake.png\n"
                     "  cellwalk render landsea-0.pbrt -o landsea-0.png\n"
-                    "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64 --stats\n"
+                    "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64 --json\n"
                     "  cellwalk render texture.pbrt -o part.png --size 1600x1600 --crop 0,0,400,400\n",
         .options = options,
         .option_count = sizeof options / sizeof *options,
