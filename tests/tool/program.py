@@ -363,6 +363,12 @@ def kernels(isa=None):
             for name, width, isa, leaf, available, chosen in map(str.split, lines)], best
 
 
+def sets():
+    """Instruction sets up to the best one of this machine, or of CELLWALK_ISA."""
+    every = ["scalar", "sse4.2", "avx2", "avx512"]
+    return every[:every.index(kernels()[1]) + 1]
+
+
 def answers(z, table, kernel="default", map=np.eye(3, 4)):
     """Its answers to rays in the field's numbers, or those of the map if they are of eight bytes: hits, occluded, points, normals."""
     given = np.asarray(map, float).tobytes() + np.asarray(z, np.float32).tobytes() + table.tobytes()

@@ -35,15 +35,17 @@ def fails(status, part, *words, **setting):
     ("'hits.npy' is one argument too many", (*TRACE, "hits.npy")),
     ("--output needs a value", (*TRACE, "-o")),
     ("--output needs a value", (*TRACE, "-o", "")),
-    ("unknown option -x", (*TRACE, "-x")),
+    ("unknown option -x\nTry 'cellwalk trace --help'.\n", (*TRACE, "-x")),
     ("--kernal; did you mean --kernel?", (*TRACE, "--kernal=cell")),
     ("--json takes no value", (*TRACE, "--json=yes")),
     ("'celt' is unknown; did you mean cell?", (*TRACE, "--json", "--kernel", "celt")),
     ("there are default, moller-trumbore, watertight", (*TRACE, "--json", "--leaf", "woop")),
     ("scalar, sse4.2, avx2, avx512", (*TRACE, "--json", "--isa", "avx")),
     ("from 1 to 1000000, not '0'", (*TRACE, "--json", "--repeat", 0)),
+    ("from 1 to 1000000, not '1000001'", (*TRACE, "--json", "--repeat", 1000001)),
     ("not '-1'", (*TRACE, "--json", "--threads", -1)),
     ("not 'two'", (*TRACE, "--json", "--threads", "two")),
+    ("not '1.5'", (*TRACE, "--json", "--threads", "1.5")),
     ("not '4x'", (*TRACE, "--json", "--threads", "4x")),
     ("not '99999999999999999999'", (*TRACE, "--json", "--threads=99999999999999999999")),
     ("standard output cannot take both", (*TRACE, "-o", "-", "--json")),
@@ -55,6 +57,10 @@ def test_bad_command_lines(part, words):
     setting = words[-1] if words and isinstance(words[-1], dict) else {}
     done = run(*(words[:-1] if setting else words), **setting)
     assert done.status == 2 and part in done.err and done.out == "" and entries() == ["field.npy", "rays.npy"], done.err
+
+
+def test_two_dashes_end_the_options():
+    fails(1, "--json: cannot read", "info", "--", "--json")
 
 
 LINES = {"info": (), "trace": ("rays.npy", "-o", "o.npy"), "shadow": ("--sun", "90,10", "-o", "o.npy"), "horizon": ("-o", "o.npy"),

@@ -115,6 +115,13 @@ def test_helps_fit(program):
     assert sh(f"{program} --version").stdout.splitlines()[0].endswith(f" {version}")
 
 
+@pytest.mark.parametrize("value", ["0", "10.5", "nan", "0.1x"])
+def test_ranges_of_real_numbers(value):
+    """A bound of them is told by its range."""
+    done = sh(f"cellwalk-bench measure --width {value}")
+    assert done.returncode == 2 and re.match(f"cellwalk-bench measure: --width takes a number from [0-9.e-]+ to 10, not '{value}'\n", done.stderr)
+
+
 def test_map_fits_a_screen():
     """Without arguments: all that the program can do, with a task for each command, on a screen of 24 lines."""
     done = run()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The program's render command from outside: exit statuses, messages, and what it leaves behind."""
+import json
 import os
 import signal
 

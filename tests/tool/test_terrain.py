@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """shadow, horizon, viewshed, sun and los as users run them: files in, files out, on made-up land and on a real one."""
-import json
 import re
 
 import numpy as np
 import pytest
-from program import (REAL, array, asc, interrupted, needs, needs_real, rays, read, refused, rough, run, taken, takes, vrt, well,
+from program import (REAL, array, asc, interrupted, needs, needs_real, rays, read, refused, rough, run, sets, taken, takes, vrt, well,
                      write)
 
 NX, NY = 60, 50
@@ -335,12 +334,6 @@ def test_another_format():
 
 
 # ---- real land in degrees, with holes -----------------------------------------------------------------------------------
-
-
-def sets():
-    """Instruction sets up to the best one of this machine, or of CELLWALK_ISA."""
-    every = ["scalar", "sse4.2", "avx2", "avx512"]
-    return every[:every.index(json.loads(run("info", "--json").out)["isa"]) + 1]
 
 
 def test_real_terrain_has_the_same_bits():
