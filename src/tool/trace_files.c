@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- rays --------------------------------------------------------------------------------------------------------- */
@@ -81,51 +80,37 @@ bool hits_file_create(hits_file *file, const char *path, uint64_t rays, io_error
 }
 
 /* Points and normals of some hits. */
-typedef struct extras {
+static struct {
     double point[AT_ONCE][3], normal[AT_ONCE][3];
     unsigned char records[AT_ONCE * (HIT + POINT + NORMAL)];
 } extras;
 
-static size_t pack(const hits_file *file, const cw_hit *hits, size_t n, extras *e) {
-    unsigned char *to = e->records;
+static bool write_with_extras(hits_file *file, const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n,
+                              io_error *error) {
+    unsigned char *to = extras.records;
+    cw_status status = CW_OK;
+    if (file->points) status = cw_hit_points(field, run, hits, n, extras.point[0]);
+    if (status == CW_OK && file->normals) status = cw_hit_normals(field, run, hits, n, extras.normal[0]);
+    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
     for (size_t k = 0; k < n; k++) {
+        const double *normal = extras.normal[k];
+        const float rounded[3] = {(float)normal[0], (float)normal[1], (float)normal[2]};
         memcpy(to, &hits[k], HIT);
         to += HIT;
-        if (file->points) {
-            memcpy(to, e->point[k], POINT);
-            to += POINT;
-        }
-        if (file->normals) {
-            const double *normal = e->normal[k];
-            const float rounded[3] = {(float)normal[0], (float)normal[1], (float)normal[2]};
-            memcpy(to, rounded, NORMAL);
-            to += NORMAL;
-        }
+        if (file->points) memcpy(to, extras.point[k], POINT);
+        to += file->points ? POINT : 0;
+        if (file->normals) memcpy(to, rounded, NORMAL);
+        to += file->normals ? NORMAL : 0;
     }
-    return (size_t)(to - e->records);
-}
-
-static bool write_with_extras(hits_file *file, const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n,
-                              extras *e, io_error *error) {
-    for (size_t done = 0; done < n;) {
-        const size_t count = n - done < AT_ONCE ? n - done : AT_ONCE;
-        cw_status status = CW_OK;
-        if (file->points) status = cw_hit_points(field, run, hits + done, count, e->point[0]);
-        if (status == CW_OK && file->normals) status = cw_hit_normals(field, run, hits + done, count, e->normal[0]);
-        if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
-        if (!io_npy_write(&file->writer, e->records, pack(file, hits + done, count, e), error)) return false;
-        done += count;
-    }
-    return true;
+    return io_npy_write(&file->writer, extras.records, (size_t)(to - extras.records), error);
 }
 
 bool hits_file_write(hits_file *file, const cw_field *field, const cw_run *run, const cw_hit *hits,
                      const uint8_t *occluded, size_t n, io_error *error) {
     if (file->any) return io_npy_write(&file->writer, occluded, n, error);
     if (!file->points && !file->normals) return io_npy_write(&file->writer, hits, n * HIT, error);
-    extras *e = malloc(sizeof *e);
-    if (e == NULL) return io_fail(error, "out of memory");
-    const bool good = write_with_extras(file, field, run, hits, n, e, error);
-    free(e);
+    bool good = true;
+    for (size_t done = 0; done < n && good; done += AT_ONCE)
+        good = write_with_extras(file, field, run, hits + done, n - done < AT_ONCE ? n - done : AT_ONCE, error);
     return good;
 }

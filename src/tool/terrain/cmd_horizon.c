@@ -38,7 +38,6 @@ typedef struct horizon_command {
     const char *file;                      /* a table of them; NULL: none */
     ground_place places[OPTION_AGAIN_MAX]; /* of at */
     bool json;
-    const char **names; /* of bands */
 } horizon_command;
 
 static bool fill(product *p, const product_block *b, void *cells, io_error *error) {
@@ -52,18 +51,6 @@ static bool fill(product *p, const product_block *b, void *cells, io_error *erro
                             : cw_horizon_angles(t, &b->run, &h, (uint32_t)b->band, b->area, c->distance ? NULL : cells,
                                                 c->distance ? cells : NULL),
                         error);
-}
-
-/* Bands are called by their direction, as GRASS numbers none of them alike. */
-static const char **band_names(const double *azimuths, size_t count) {
-    enum { NAME_MOST = 32 };
-    const char **names = malloc(count * (sizeof *names + NAME_MOST));
-    char *text = names ? (char *)(names + count) : NULL;
-    for (size_t k = 0; k < count && names; k++, text += NAME_MOST) {
-        snprintf(text, NAME_MOST, "azimuth %.6g", azimuths[k]);
-        names[k] = text;
-    }
-    return names;
 }
 
 /* ---- horizons of places ------------------------------------------------------------------------------------------- */
@@ -188,8 +175,6 @@ static bool begin(product *p, io_error *error) {
     if (is_of_places(c)) return write_places(c, error);
     static double azimuths[3600];
     if (!product_good(cw_horizon_azimuths(&p->ground.terrain, &c->desc, azimuths), error)) return false;
-    c->names = c->sum ? NULL : band_names(azimuths, c->directions);
-    if (!c->sum && c->names == NULL) return io_fail(error, "out of memory");
     product_describe(p, IO_CELL_FLOAT32, c->sum ? 1 : c->directions,
                      c->tilted
                          ? "sky-view factor: share of an evenly bright sky's light that reaches the leaning ground"
@@ -202,7 +187,9 @@ static bool begin(product *p, io_error *error) {
     product_note(p, "FIRST_AZIMUTH=%.9g", c->desc.start);
     product_note(p, "ANGLES=degrees; azimuth from the map's north over east");
     product_note(p, "CURVATURE=%.9g", c->desc.curvature);
-    if (c->names) p->raster.band_names = c->names;
+    /* Bands are called by their direction, as GRASS numbers none of them alike. */
+    for (unsigned k = 0; k < c->directions && !c->sum; k++)
+        if (!product_name_band(p, k, error, "azimuth %.6g", azimuths[k])) return false;
     if (!c->sky && !c->tilted) {
         p->raster.unit = c->distance ? "metre" : "degree";
         p->raster.white = c->sum ? 180 : 90;
@@ -216,11 +203,6 @@ static bool begin(product *p, io_error *error) {
     if (c->below) p->more = 8; /* the samples upside down and their bounds */
     p->passes = c->distance ? 30 : 1;
     return true;
-}
-
-static void end(void *context) {
-    horizon_command *c = context;
-    free(c->names);
 }
 
 static bool check(void *context, size_t *bands) {
@@ -252,7 +234,7 @@ static bool check(void *context, size_t *bands) {
 
 static int run(int argc, char **argv) {
     static horizon_command c; /* large */
-    c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill, .end = end};
+    c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill};
     c.directions = 32;
     const option_spec options[] = {
         option_count("directions", "N", &c.directions, 1, 3600, "number of directions, evenly spaced (default: 32)"),

@@ -165,15 +165,27 @@ int product_close(product *p, bool good, const io_error *error) {
 /* ---- the result -------------------------------------------------------------------------------------------------- */
 
 void product_note(product *p, const char *format, ...) {
-    enum { LONGEST = 300 };
-    char text[LONGEST];
-    if (p->note_count == PRODUCT_NOTES_MOST) return;
     va_list arguments;
+    if (p->note_count == PRODUCT_NOTES_MOST) return;
+    char *text = p->note_texts[p->note_count];
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    vsnprintf(text, PRODUCT_TEXT, format, arguments);
     va_end(arguments);
-    char *copy = strdup(text);
-    if (copy != NULL) p->notes[p->note_count++] = copy;
+    p->notes[p->note_count++] = text;
+}
+
+bool product_name_band(product *p, size_t band, io_error *error, const char *format, ...) {
+    const size_t count = p->raster.bands;
+    va_list arguments;
+    if (p->band_names == NULL) p->band_names = malloc(count * (sizeof *p->band_names + PRODUCT_TEXT));
+    if (p->band_names == NULL) return io_fail(error, "out of memory");
+    char *text = (char *)(p->band_names + count) + band * PRODUCT_TEXT;
+    va_start(arguments, format);
+    vsnprintf(text, PRODUCT_TEXT, format, arguments);
+    va_end(arguments);
+    p->band_names[band] = text;
+    p->raster.band_names = p->band_names;
+    return true;
 }
 
 void product_describe(product *p, io_cell cell, size_t bands, const char *what) {
@@ -226,7 +238,7 @@ static bool make(product *p, io_error *error) {
                       (p->finish == NULL || p->finish(p, error));
     if (p->leave) p->leave(p->context);
     if (p->end) p->end(p->context);
-    for (size_t k = 0; k < p->note_count; k++) free((void *)(uintptr_t)p->notes[k]);
+    free(p->band_names);
     free(p->marks);
     return good;
 }

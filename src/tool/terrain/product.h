@@ -11,7 +11,7 @@
 #include "place.h"
 #include "raster_out.h"
 
-enum { PRODUCT_NOTES_MOST = 300 };
+enum { PRODUCT_NOTES_MOST = 300, PRODUCT_TEXT = 300 };
 
 /* Rows of a band to fill. */
 typedef struct product_block {
@@ -39,7 +39,9 @@ typedef struct product {
     const char *what;
     size_t note_count;
     const char *notes[PRODUCT_NOTES_MOST + 1]; /* "NAME=value", up to a NULL */
-    bool in_memory;                            /* begin has read all that matters */
+    char note_texts[PRODUCT_NOTES_MOST][PRODUCT_TEXT];
+    const char **band_names; /* by product_name_band; freed */
+    bool in_memory;          /* begin has read all that matters */
     ground_matters matters;
     double more;         /* bytes that fill needs for each sample of a piece, beside the field and the result */
     double passes;       /* how often as much work as one shadow a row is */
@@ -81,6 +83,9 @@ bool product_check_output(const product *p, io_error *error);
 void product_describe(product *p, io_cell cell, size_t bands, const char *what);
 /* Notes more of what was done. No more than fits. */
 __attribute__((format(printf, 2, 3))) void product_note(product *p, const char *format, ...);
+/* Names a band of the described result. All must get a name. */
+__attribute__((format(printf, 4, 5))) bool product_name_band(product *p, size_t band, io_error *error,
+                                                             const char *format, ...);
 /* Makes the result int16, of floats that fill fills in: each is the nearest multiple of scale, a power of two. */
 void product_scale(product *p, double scale);
 

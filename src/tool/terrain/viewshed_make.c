@@ -271,21 +271,14 @@ static void note(viewshed_command *c) {
     }
 }
 
-/* Names of bands. */
 static bool name_bands(viewshed_command *c, io_error *error) {
-    enum { LONGEST = 160 };
-    const size_t count = c->observers.count;
-    c->names = malloc(count * (sizeof *c->names + LONGEST));
-    if (c->names == NULL) return io_fail(error, "out of memory");
-    char *text = (char *)(c->names + count);
-    for (size_t k = 0; k < count; k++, text += LONGEST) {
+    for (size_t k = 0; k < c->observers.count; k++) {
         const observer *o = &c->observers.list[k];
         const char *name = observers_name(&c->observers, k);
-        snprintf(text, LONGEST, "observer %zu%s%s%s at %.10g,%.10g", k + 1, name[0] ? " (" : "", name,
-                 name[0] ? ")" : "", o->x, o->y);
-        c->names[k] = text;
+        if (!product_name_band(&c->product, k, error, "observer %zu%s%s%s at %.10g,%.10g", k + 1, name[0] ? " (" : "",
+                               name, name[0] ? ")" : "", o->x, o->y))
+            return false;
     }
-    c->product.raster.band_names = c->names;
     return true;
 }
 
@@ -361,5 +354,4 @@ void viewshed_end(void *context) {
     large_release(c->seen);
     large_release(c->sums);
     large_release(c->numbers);
-    free(c->names);
 }

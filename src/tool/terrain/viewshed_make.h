@@ -43,8 +43,7 @@ typedef struct viewshed_command {
     uint16_t *own;   /* what one observer sees; NULL: there is no table */
     uint8_t *inside; /* not 0 where samples count in the table; NULL: they all do */
     io_output table_file;
-    bool named;         /* in the table: the file names observers */
-    const char **names; /* of bands */
+    bool named; /* in the table: the file names observers */
 } viewshed_command;
 
 enum { VIEW_NEAR, VIEW_FULL };
