@@ -140,37 +140,38 @@ static const char *height_unit(const io_raster *r, char *text) {
     return unit_name(g->placed ? r->map[2][2] * map : 0, text);
 }
 
-/* The least and the greatest X and Y of samples. */
-static void find_extent(const io_raster *r, double low[2], double high[2]) {
-    for (int c = 0; c < 2; c++)
-        for (int k = 0; k < 4; k++) {
-            const double x = r->map[c][0] * (k & 1 ? (double)r->nx - 1 : 0) +
-                             r->map[c][1] * (k & 2 ? (double)r->ny - 1 : 0) + r->map[c][3];
-            low[c] = k == 0 ? x : fmin(low[c], x);
-            high[c] = k == 0 ? x : fmax(high[c], x);
-        }
-}
+typedef struct place {
+    double low[2], high[2], cell[2]; /* the least and the greatest X and Y of samples; how far apart they are */
+    char crs[128];
+} place;
 
-static void find_cell(const io_raster *r, double size[2]) {
-    for (int c = 0; c < 2; c++) size[c] = hypot(r->map[0][c], r->map[1][c]);
+static place find_place(const io_raster *r) {
+    place p;
+    for (int c = 0; c < 2; c++) {
+        const double across = r->map[c][0] * ((double)r->nx - 1), down = r->map[c][1] * ((double)r->ny - 1);
+        p.low[c] = fmin(across, 0) + fmin(down, 0) + r->map[c][3];
+        p.high[c] = fmax(across, 0) + fmax(down, 0) + r->map[c][3];
+        p.cell[c] = hypot(r->map[0][c], r->map[1][c]);
+    }
+    io_georef_name(&r->georef, p.crs, sizeof p.crs);
+    return p;
 }
 
 static void print_place(const io_raster *r) {
     const io_georef *g = &r->georef;
-    double low[2], high[2], cell[2];
-    char crs[128], unit[IO_UNIT_NAME];
+    const place p = find_place(r);
+    char unit[IO_UNIT_NAME];
     if (!g->placed) {
         puts("  extent        no map: terrain commands take cells for 1 wide and row 0 for the\n"
              "                northernmost");
         return;
     }
-    find_extent(r, low, high);
-    find_cell(r, cell);
-    io_georef_name(g, crs, sizeof crs);
-    printf("  extent        X %.10g to %.10g, Y %.10g to %.10g (pixels' centres)\n", low[0], high[0], low[1], high[1]);
-    printf("  cell size     %.9g x %.9g%s\n", cell[0], cell[1], g->geographic ? " degrees" : unit_name(g->unit, unit));
+    printf("  extent        X %.10g to %.10g, Y %.10g to %.10g (pixels' centres)\n", p.low[0], p.high[0], p.low[1],
+           p.high[1]);
+    printf("  cell size     %.9g x %.9g%s\n", p.cell[0], p.cell[1],
+           g->geographic ? " degrees" : unit_name(g->unit, unit));
     fputs("  coordinates   ", stdout);
-    print_text(stdout, crs[0] != '\0' ? crs : "no coordinate system");
+    print_text(stdout, p.crs[0] != '\0' ? p.crs : "no coordinate system");
     putchar('\n');
 }
 
@@ -222,14 +223,10 @@ static void print_field_json(const char *path, const survey *s) {
                (size_t)sample_bytes(f), f->bytes_built, bytes_per_cell(f), s->read_seconds,
                s->header ? 0 : cw_field_build_seconds(s->file.field));
     if ((r->z || s->header) && g->placed) {
-        double low[2], high[2], cell[2];
-        char crs[128];
-        find_extent(r, low, high);
-        find_cell(r, cell);
-        io_georef_name(g, crs, sizeof crs);
-        json_print(stdout, ", 'extent': [%G, %G, %G, %G], 'cell_size': [%G, %G], 'degrees': %b", low[0], low[1],
-                   high[0], high[1], cell[0], cell[1], g->geographic);
-        if (crs[0] != '\0') json_print(stdout, ", 'coordinates': %s", crs);
+        const place p = find_place(r);
+        json_print(stdout, ", 'extent': [%G, %G, %G, %G], 'cell_size': [%G, %G], 'degrees': %b", p.low[0], p.low[1],
+                   p.high[0], p.high[1], p.cell[0], p.cell[1], g->geographic);
+        if (p.crs[0] != '\0') json_print(stdout, ", 'coordinates': %s", p.crs);
     }
     if (g->scale != 0) json_print(stdout, ", 'scale': %G, 'offset': %G", g->scale, g->offset);
     for (int k = 0; k < 3; k++) {

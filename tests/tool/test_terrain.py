@@ -30,6 +30,7 @@ def test_shadow_of_a_wall():
     assert (array("shadow", "wall.npy", *MAP, "--zscale", 2, *sun) == ~((ROWS > 20) & (ROWS < 28))).all()
     light = array("shadow", "wall.npy", *MAP, "--nodata", 40, *sun, "--hillshade")
     assert np.isnan(light[20]).all() and np.allclose(np.delete(light, 20, 0), np.sin(np.radians(45.1)), atol=1e-6)
+    assert (array("shadow", "wall.npy", *MAP, "--nodata", 40, "--nodata", 0, *sun) == 255).all()
 
 
 def test_coarser_wall():
@@ -154,10 +155,6 @@ def test_shadow_falls_to_the_south():
     run("shadow", "wall.npy", "--sun", "0,88", "-o", "o.npy")
     lit = np.load("o.npy")
     assert lit[19, 0] == 1 and lit[21, 0] == 0
-
-
-def test_each_nodata_counts():
-    assert (array("shadow", "wall.npy", *MAP, "--nodata", 40, "--nodata", 0, "--sun", "0,45") == 255).all()
 
 
 # ---- refusals -----------------------------------------------------------------------------------------------------------
@@ -321,16 +318,6 @@ def test_sources_are_not_replaced():
         for command, *more in ("shadow", "--sun", "0,30"), ("horizon",), ("viewshed", "--from", "15,15,2"), ("trace", "rays.npy"):
             refused(1, "is also an input", command, "outer.vrt", *more, "-o", to)
     assert read("grid.npy") == before
-
-
-def test_another_format():
-    """What is no GeoTIFF is read by GDAL's other drivers: here a window into the real terrain, made of text."""
-    needs_real()
-    write("window.vrt", f'<VRTDataset rasterXSize="40" rasterYSize="30"><VRTRasterBand dataType="Int16" band="1"><SimpleSource><SourceFilename>{REAL}'
-          '</SourceFilename><SourceBand>1</SourceBand><SrcRect xOff="30" yOff="30" xSize="40" ySize="30"/>'
-          '<DstRect xOff="0" yOff="0" xSize="40" ySize="30"/></SimpleSource></VRTRasterBand></VRTDataset>')
-    lit = array("shadow", "window.vrt", "--nodata", -32768, "--cellsize", 1000, "--sun", "0,90")
-    assert ((lit == 1) | (lit == 255)).all() and (lit == 255).sum() == 98
 
 
 # ---- real land in degrees, with holes -----------------------------------------------------------------------------------

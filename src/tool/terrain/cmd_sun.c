@@ -12,6 +12,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static const char name[] = "sun";
 
@@ -159,29 +160,17 @@ static void end(void *context) {
 
 /* ---- the command line --------------------------------------------------------------------------------------------------- */
 
-static bool read_midnight(unsigned long year, unsigned long month, unsigned long day_of_month, double *midnight) {
-    char text[80];
-    snprintf(text, sizeof text, "%04lu-%02lu-%02luT00:00Z", year, month, day_of_month);
-    return cw_sun_parse_time(text, midnight);
-}
-
 /* The midnights of UTC that begin the first and the last day of a day, a month or a year: 2024-06-21, 2024-06, 2024. */
 static bool read_days(const char *text, double *first, double *last) {
     const size_t length = strlen(text);
-    unsigned long part[3] = {0, 1, 1};
-    for (size_t k = 0; k < length; k++)
-        if (k == 4 || k == 7 ? text[k] != '-' : text[k] < '0' || text[k] > '9') return false;
-    if (length != 4 && length != 7 && length != 10) return false;
-    part[0] = strtoul(text, NULL, 10);
-    if (length > 4) part[1] = strtoul(text + 5, NULL, 10);
-    if (length > 7) part[2] = strtoul(text + 8, NULL, 10);
-    if (!read_midnight(part[0], part[1], part[2], first)) return false;
-    *last = *first;
-    if (length == 10) return true;
-    const bool year_ends = length == 4 || part[1] == 12;
-    const bool good = read_midnight(part[0] + year_ends, year_ends ? 1 : part[1] + 1, 1, last);
-    *last -= day;
-    return good;
+    char whole[32];
+    snprintf(whole, sizeof whole, "%.10s%sT00:00Z", text, length == 4 ? "-01-01" : length == 7 ? "-01" : "");
+    if ((length != 4 && length != 7 && length != 10) || !cw_sun_parse_time(whole, first)) return false;
+    for (*last = *first;; *last += day) {
+        const time_t next = (time_t)(*last + day);
+        strftime(whole, sizeof whole, "%Y-%m-%d", gmtime(&next));
+        if (strncmp(whole, text, length) != 0) return true;
+    }
 }
 
 /* A number with s, min or h, which divides a day. */
