@@ -30,32 +30,33 @@ typedef struct trace {
     request *request;
     raster_field field;
     ray_source rays;
-    cw_run *query;     /* of the options */
-    hits_file file;    /* not open where no output was asked for */
-    cw_hit *hits;      /* PIECE of them */
-    uint8_t *occluded; /* the same, for --occluded */
+    cw_run *query;  /* of the options */
+    hits_file file; /* not open where no output was asked for */
     uint64_t hit_count;
     double *seconds; /* request->repeat of them */
 } trace;
 
-/* Traces n rays into t->hits or t->occluded and returns the time that it took. */
+/* Of a piece; with --occluded the latter. */
+static cw_hit found[PIECE];
+static uint8_t occluded[PIECE];
+
+/* Traces n rays into found or occluded and returns the time that it took. */
 static bool trace_piece(trace *t, const void *rays, size_t n, double *seconds, io_error *error) {
     const cw_field *f = t->field.field;
     const bool any = t->request->any;
     const double start = clock_seconds();
     cw_status status;
     if (t->request->user)
-        status =
-            any ? cw_occluded_user(f, t->query, rays, n, t->occluded) : cw_closest_user(f, t->query, rays, n, t->hits);
+        status = any ? cw_occluded_user(f, t->query, rays, n, occluded) : cw_closest_user(f, t->query, rays, n, found);
     else
-        status = any ? cw_occluded(f, t->query, rays, n, t->occluded) : cw_closest(f, t->query, rays, n, t->hits);
+        status = any ? cw_occluded(f, t->query, rays, n, occluded) : cw_closest(f, t->query, rays, n, found);
     *seconds = clock_seconds() - start;
     return status == CW_OK || io_fail(error, "%s", cw_last_error());
 }
 
 static uint64_t count_hits(const trace *t, size_t n) {
     uint64_t count = 0;
-    for (size_t k = 0; k < n; k++) count += t->request->any ? t->occluded[k] : t->hits[k].i >= 0;
+    for (size_t k = 0; k < n; k++) count += t->request->any ? occluded[k] : found[k].i >= 0;
     return count;
 }
 
@@ -70,7 +71,7 @@ static bool pass(trace *t, unsigned number, io_error *error) {
         t->seconds[number] += seconds;
         if (number == 0) t->hit_count += count_hits(t, n);
         if (number == 0 && t->request->hits &&
-            !hits_file_write(&t->file, t->field.field, t->query, t->hits, t->occluded, n, error))
+            !hits_file_write(&t->file, t->field.field, t->query, found, occluded, n, error))
             return false;
         done += n;
         progress_show("tracing", (number + (double)done / (double)t->rays.count) / t->request->repeat);
@@ -92,12 +93,8 @@ static bool prepare(trace *t, io_error *error) {
                      "puts it on a map in metres",
                      r->field);
     t->query->expert.kernel = t->field.kernel;
-    if (r->any)
-        t->occluded = calloc(PIECE, sizeof *t->occluded);
-    else
-        t->hits = calloc(PIECE, sizeof *t->hits);
     t->seconds = calloc(r->repeat, sizeof *t->seconds);
-    return ((t->hits || t->occluded) && t->seconds) || io_fail(error, "out of memory");
+    return t->seconds || io_fail(error, "out of memory");
 }
 
 static int compare(const void *a, const void *b) {
@@ -171,8 +168,6 @@ static int run_request(request *r, bool timing) {
     ray_source_close(&t.rays);
     cw_pool_destroy(t.query->pool);
     raster_field_close(&t.field);
-    free(t.hits);
-    free(t.occluded);
     free(t.seconds);
     return good ? EXIT_SUCCESS : command_fail("trace", "%s", error.text);
 }

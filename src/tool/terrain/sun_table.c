@@ -47,12 +47,6 @@ static void add(sum *s, const sun_day *d, double midnight) {
     s->lit++;
 }
 
-static void add_all(sun_day *to, const sun_day *d) {
-    to->hours += d->hours;
-    to->direct += d->direct;
-    to->diffuse += d->diffuse;
-}
-
 static const char *as_text(double seconds, const char *format, char text[32]) {
     const time_t time = (time_t)nearbyint(seconds);
     text[0] = '\0';
@@ -76,7 +70,7 @@ static bool begins_month(double midnight) {
     return strcmp(as_text(midnight, "%d", text), "01") == 0;
 }
 
-static bool print_days(product *p, const sun_table *a, const sight *s, double share, io_output *to, sun_day *all,
+static bool print_days(product *p, const sun_table *a, const sight *s, double share, io_output *to, sum *all,
                        io_error *error) {
     const bool months = a->days > DAYS_MOST;
     sum row = {0};
@@ -87,7 +81,7 @@ static bool print_days(product *p, const sun_table *a, const sight *s, double sh
         const double midnight = a->first + day * (double)k;
         const sun_day d = sun_day_find(s, &a->desc, share, midnight);
         add(&row, &d, midnight);
-        add_all(all, &d);
+        add(all, &d, midnight);
         product_tell(p, (double)(k + 1) / (double)a->days);
         if (months && k + 1 < a->days && !begins_month(midnight + day)) continue;
         if (!print_row(to, &row, midnight, months, error)) return false;
@@ -126,7 +120,7 @@ bool sun_table_write(product *p, sun_table *a, io_error *error) {
     if (a->ground && !sun_ground_lean(t, eye, &d->tilt, &d->facing)) return io_fail(error, "out of memory");
     if (cw_sight_bounds_create(t, &bounds) != CW_OK) return io_fail(error, "out of memory");
     cw_sight_init(&s, t, bounds, eye, a->curvature);
-    sun_day all = {0};
+    sum all = {0};
     const bool good =
         io_output_open(&to, p->output ? p->output : "-", error) &&
         (a->suns ? print_list(p, a, &s, &to, error) : print_days(p, a, &s, sun_sky_share(&s, d), &to, &all, error)) &&
@@ -136,7 +130,7 @@ bool sun_table_write(product *p, sun_table *a, io_error *error) {
     if (good && a->suns) command_wrote(p->name, p->quiet, p->output, p->start, "the suns of %s at a place", a->suns);
     if (good && !a->suns)
         command_wrote(p->name, p->quiet, p->output, p->start, "%zu day%s at a place, %.0f hours of sun, %.4g kWh/m2",
-                      a->days, a->days == 1 ? "" : "s", all.hours, 1e-3 * (all.direct + all.diffuse));
+                      a->days, a->days == 1 ? "" : "s", all.all.hours, 1e-3 * (all.all.direct + all.all.diffuse));
     cw_sight_bounds_destroy(bounds);
     return good;
 }
