@@ -191,6 +191,14 @@ bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *e
     return fwrite(bytes, 1, size, out->file) == size || fail_write(out, error);
 }
 
+bool io_output_has_room(io_output *out, io_error *error) {
+    static const char more[1 << 16];
+    if (out->file == NULL) return true;
+    return (fseek(out->file, 0, SEEK_END) == 0 && fwrite(more, 1, sizeof more, out->file) == sizeof more &&
+            fflush(out->file) == 0) ||
+           fail_write(out, error);
+}
+
 bool io_output_print(io_output *out, io_error *error, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);

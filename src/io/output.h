@@ -42,7 +42,11 @@ bool io_output_reserve(io_output *out, uint64_t bytes, io_error *error);
 /* Writes to out->file. False, with the file and the system's reason in error, when that fails. */
 bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *error);
 
-/* The same of text as printf writes it in the C locale. */
+/* For libraries that write to the file themselves and have failed: tries to write more, which spoils the file. False, with the system's
+ * reason, if that fails. */
+bool io_output_has_room(io_output *out, io_error *error);
+
+/* Writes text as printf writes it in the C locale. */
 __attribute__((format(printf, 3, 4))) bool io_output_print(io_output *out, io_error *error, const char *format, ...);
 
 /* Flushes and closes the file, and waits until its bytes are on the disk. Of outputs that belong together, all are

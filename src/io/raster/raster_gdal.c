@@ -119,9 +119,8 @@ bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_
                        path, reason.text);
     io_raster about = {.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     size_t at_once = 1;
-    io_gdal_source *source = gdal->open(path, options, &about, &at_once, error);
-    bool good =
-        source != NULL && (gdal->each_file(source, io_inputs_note_path) || io_fail(error, "%s: out of memory", path));
+    io_gdal_source *source = gdal->open(path, options, io_inputs_note_path, &about, &at_once, error);
+    bool good = source != NULL;
     if (good && !options->no_samples) {
         good = (uint64_t)about.nx * about.ny <= most_samples
                    ? io_raster_allocate(path, about.nx, about.ny, raster, error)

@@ -46,6 +46,11 @@ typedef struct tif_state {
     io_output full, copies;
 } tif_state;
 
+/* Says it by the system's reason if it was the system that failed: GDAL's own words name a function. */
+static bool fail_tif(io_raster_writer *w, tif_state *s, io_error *error) {
+    return io_output_has_room(&s->full, error) && io_output_has_room(&w->output, error) && false;
+}
+
 static void free_tif(tif_state *s) {
     io_output_discard(&s->full);
     io_output_discard(&s->copies);
@@ -67,19 +72,20 @@ static bool tif_create(io_raster_writer *w, io_error *error) {
                                  &w->product, error);
     w->state = s;
     if (s->target != NULL) return true;
+    if (ready) fail_tif(w, s, error);
     free_tif(s);
     return false;
 }
 
 static bool tif_write(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
                       io_error *error) {
-    const tif_state *s = w->state;
-    return io_gdal_load(error)->write(s->target, band, window, cells, error);
+    tif_state *s = w->state;
+    return io_gdal_load(error)->write(s->target, band, window, cells, error) || fail_tif(w, s, error);
 }
 
 static bool tif_finish(io_raster_writer *w, bool whole, io_error *error) {
     tif_state *s = w->state;
-    const bool good = io_gdal_load(error)->finish(s->target, whole, error) && whole;
+    const bool good = (io_gdal_load(error)->finish(s->target, whole, error) && whole) || fail_tif(w, s, error);
     free_tif(s);
     return good;
 }

@@ -3,8 +3,6 @@
 
 #include "parts.h"
 
-#include "files.h"
-
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <gdal_frmts.h>
@@ -112,7 +110,6 @@ const io_gdal *cellwalk_gdal_module(const io_gdal_host *host) {
         .open = gdal_open,
         .read = gdal_read,
         .close = gdal_close,
-        .each_file = gdal_each_file,
         .check_creation = gdal_check_creation,
         .points = gdal_points,
         .areas = gdal_areas,
@@ -126,7 +123,6 @@ const io_gdal *cellwalk_gdal_module(const io_gdal_host *host) {
     if (ready) return &table;
     ready = true;
     program = host;
-    gdal_files_install(host != NULL);
     GDALRegister_GTiff(); /* most files are GeoTIFF; other drivers are registered when needed */
     if (host != NULL) own_process();
     return &table;

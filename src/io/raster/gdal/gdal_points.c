@@ -172,14 +172,6 @@ static bool take_features(reader *r, OGRLayerH layer) {
     return r->lines == 0 || r->singles == 0 || io_fail(r->error, "%s: has points and lines", r->path);
 }
 
-static bool note_files(GDALDatasetH file, const char *path, bool (*note)(const char *path), io_error *error) {
-    char **files = GDALGetFileList(file);
-    bool good = note(path);
-    for (char **name = files; good && name != NULL && *name != NULL; name++) good = note(*name);
-    CSLDestroy(files);
-    return good || io_fail(error, "%s: out of memory", path);
-}
-
 /* Opens the file and gives its layer to take. */
 static bool read_layer(reader *r, bool (*note)(const char *path), bool (*take)(reader *r, OGRLayerH layer)) {
     const io_points_options *o = r->options;
@@ -188,7 +180,7 @@ static bool read_layer(reader *r, bool (*note)(const char *path), bool (*take)(r
     r->is_kml = strstr(GDALGetDriverShortName(GDALGetDatasetDriver(file)), "KML") != NULL;
     OGRLayerH layer = choose_layer(r, file);
     const bool good =
-        layer != NULL && note_files(file, r->path, note, r->error) && find_way(r, layer, o->crs) && take(r, layer);
+        layer != NULL && gdal_note_files(file, r->path, note, r->error) && find_way(r, layer, o->crs) && take(r, layer);
     OCTDestroyCoordinateTransformation(r->to_map);
     GDALClose(file);
     return good;

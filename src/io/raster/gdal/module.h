@@ -8,7 +8,7 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 12 };
+enum { IO_GDAL_VERSION = 13 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
 
 typedef struct io_gdal_source io_gdal_source;
@@ -17,16 +17,13 @@ typedef struct io_gdal_target io_gdal_target;
 typedef struct io_gdal {
     int version; /* IO_GDAL_VERSION as the module was built */
 
-    /* Opens a band of a file; fills in all of raster but the samples. rows_at_once is how many rows are best read together.
-     * Closed by close. NULL on failure; georef must be freed then, too. */
-    io_gdal_source *(*open)(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
-                            io_error *error);
+    /* Opens a band of a file, and calls note with names of the files that it is made of; fills in all of raster but the samples.
+     * rows_at_once is how many rows are best read together. Closed by close. NULL on failure; georef must be freed then, too. */
+    io_gdal_source *(*open)(const char *path, const io_raster_options *options, bool (*note)(const char *path),
+                            io_raster *raster, size_t *rows_at_once, io_error *error);
     /* Rows first to first + count - 1 as heights, scale and offset applied, NaN where there are none. */
     bool (*read)(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error);
     void (*close)(io_gdal_source *source);
-    /* Calls note with the name of each file that the source is made of, and those that these name in turn, as a VRT does; false
-     * as soon as note says so. Some names may be none of files. */
-    bool (*each_file)(io_gdal_source *source, bool (*note)(const char *path));
 
     /* Gives places from a file of features to add, and names of the files that it is made of to note. */
     bool (*points)(const char *path, const io_points_options *options, io_points *points,

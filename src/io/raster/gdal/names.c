@@ -4,8 +4,6 @@
 
 #include "parts.h"
 
-#include "files.h"
-
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
@@ -31,10 +29,10 @@ static bool is_text(const char *path) {
     return (start[0] == '{' || strchr(path, '<') != NULL) && !is_file(path);
 }
 
-/* A pipe, whose writer GDAL would wait for, or a device. */
-static bool is_special(const char *path) {
+bool gdal_waits(const char *path) {
     struct stat about;
-    return stat(path, &about) == 0 && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode);
+    return strncmp(path, "/vsistd", 7) == 0 ||
+           (stat(path, &about) == 0 && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode));
 }
 
 /* The names of drivers that may open path: all except MEM and the two that open the names within a name. */
@@ -60,8 +58,7 @@ static void register_drivers(const char *path, unsigned kind) {
 
 GDALDatasetH gdal_open_name(const char *path, unsigned kind, io_error *error) {
     CPLErrorReset();
-    gdal_files_reset();
-    if (is_special(path) || is_text(path)) {
+    if (gdal_waits(path) || is_text(path)) {
         io_fail(error, "%s: cannot read: not a regular file", path);
         return NULL;
     }
@@ -72,6 +69,44 @@ GDALDatasetH gdal_open_name(const char *path, unsigned kind, io_error *error) {
     CSLDestroy(drivers);
     if (file == NULL) gdal_fail_read(error, path, "cannot read");
     return file;
+}
+
+/* A VRT lists its sources, but not those of a VRT among them. More levels and more such files than these no honest
+ * one has, and one that names itself has no end. */
+enum { VRT_DEPTH_MAX = 8, VRT_FILES_MAX = 4096 };
+
+typedef struct listing {
+    const char *path;
+    bool (*note)(const char *path);
+    int left;
+    io_error *error;
+} listing;
+
+static bool note_files(listing *l, GDALDatasetH file, int depth) {
+    static const char *const vrt[] = {"VRT", NULL};
+    char **files = GDALGetFileList(file);
+    bool good = true;
+    for (char **name = files; good && name != NULL && *name != NULL; name++) {
+        good = !gdal_waits(*name) || io_fail(l->error, "%s: cannot read: %s is not a regular file", l->path, *name);
+        good = good && (l->note(*name) || io_fail(l->error, "%s: out of memory", l->path));
+        /* The first one is the dataset itself. */
+        if (!good || name == files || depth == VRT_DEPTH_MAX || l->left == 0) continue;
+        if (GDALIdentifyDriverEx(*name, GDAL_OF_RASTER, vrt, NULL) == NULL) continue;
+        GDALDatasetH inner = GDALOpenEx(*name, GDAL_OF_RASTER | GDAL_OF_READONLY, vrt, NULL, NULL);
+        if (inner == NULL) continue; /* reading it will fail */
+        l->left--;
+        good = note_files(l, inner, depth + 1);
+        GDALClose(inner);
+    }
+    CSLDestroy(files);
+    return good;
+}
+
+bool gdal_note_files(GDALDatasetH file, const char *path, bool (*note)(const char *path), io_error *error) {
+    listing l = {path, note, VRT_FILES_MAX, error};
+    const bool good = note_files(&l, file, 0);
+    CPLErrorReset();
+    return good;
 }
 
 /* Words of names and messages when something on the network is wanted. */
@@ -85,8 +120,6 @@ static bool wants_network(const char *text) {
 }
 
 bool gdal_fail_read(io_error *error, const char *path, const char *what) {
-    const char *file = gdal_files_refused();
-    if (file != NULL) return io_fail(error, "%s: cannot read: %s is not a regular file", path, file);
     if (gdal_host() == NULL || gdal_host()->network || (!wants_network(path) && !wants_network(CPLGetLastErrorMsg())))
         return gdal_fail(error, path, what);
     char reason[400];

@@ -14,6 +14,11 @@ bool gdal_fail(io_error *error, const char *name, const char *what);
 bool gdal_fail_read(io_error *error, const char *path, const char *what);
 /* Opens a file to be read; NULL after a failure. kind: GDAL_OF_RASTER or GDAL_OF_VECTOR. */
 GDALDatasetH gdal_open_name(const char *path, unsigned kind, io_error *error);
+/* Whether path is a pipe, a standard stream, whose writer GDAL would wait for, or a device. */
+bool gdal_waits(const char *path);
+/* Calls note with the name of each file that a dataset is made of, and those that these name in turn, as a VRT does. False, with the
+ * error, if one is such a pipe or device, or note says so for lack of memory. Some names may be none of files. */
+bool gdal_note_files(GDALDatasetH file, const char *path, bool (*note)(const char *path), io_error *error);
 /* Keeps VRTs from opening the process's memory, in a process of the program's own. */
 void gdal_names_close_memory(void);
 
@@ -33,11 +38,10 @@ void gdal_leave(const bool *entered);
 /* Tells the options' warn. */
 __attribute__((format(printf, 2, 3))) void gdal_warn(const io_raster_options *options, const char *format, ...);
 
-io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
-                          io_error *error);
+io_gdal_source *gdal_open(const char *path, const io_raster_options *options, bool (*note)(const char *path),
+                          io_raster *raster, size_t *rows_at_once, io_error *error);
 bool gdal_read(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error);
 void gdal_close(io_gdal_source *source);
-bool gdal_each_file(io_gdal_source *source, bool (*note)(const char *path));
 
 /* Fills in the facts of a coordinate system: well-known text, units, ellipsoid, and the unit of heights if it has
  * one. */

@@ -174,13 +174,13 @@ static void limit_cache(const io_gdal_source *s, size_t block_rows) {
     GDALSetCacheMax64((GIntBig)(once ? fmin(fmax(bytes, least), most) : most));
 }
 
-io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
-                          io_error *error) {
+io_gdal_source *gdal_open(const char *path, const io_raster_options *options, bool (*note)(const char *path),
+                          io_raster *raster, size_t *rows_at_once, io_error *error) {
     GDAL_CALL;
     io_gdal_source *s = calloc(1, sizeof *s);
     if (s == NULL || (s->path = strdup(path)) == NULL)
         io_fail(error, "%s: out of memory", path);
-    else if (open_band(s, options, raster, error)) {
+    else if (open_band(s, options, raster, error) && gdal_note_files(s->file, path, note, error)) {
         /* Whole rows of blocks, some megabytes of them. */
         int across = 0, down = 0;
         GDALGetBlockSize(s->band, &across, &down);
@@ -248,37 +248,6 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
             if (s->mask[i] == 0) row[i] = NAN;
     }
     return true;
-}
-
-/* A VRT lists its sources, but not those of a VRT among them. More levels and more such files than these no honest
- * one has, and one that names itself has no end. */
-enum { VRT_DEPTH_MAX = 8, VRT_FILES_MAX = 4096 };
-
-static bool note_files(GDALDatasetH file, bool (*note)(const char *path), int depth, int *left) {
-    static const char *const vrt[] = {"VRT", NULL};
-    char **files = GDALGetFileList(file);
-    bool good = true;
-    for (char **name = files; good && name != NULL && *name != NULL; name++) {
-        good = note(*name);
-        /* The first one is the dataset itself. */
-        if (!good || name == files || depth == VRT_DEPTH_MAX || *left == 0) continue;
-        if (GDALIdentifyDriverEx(*name, GDAL_OF_RASTER, vrt, NULL) == NULL) continue;
-        GDALDatasetH inner = GDALOpenEx(*name, GDAL_OF_RASTER | GDAL_OF_READONLY, vrt, NULL, NULL);
-        if (inner == NULL) continue; /* reading it will fail */
-        --*left;
-        good = note_files(inner, note, depth + 1, left);
-        GDALClose(inner);
-    }
-    CSLDestroy(files);
-    return good;
-}
-
-bool gdal_each_file(io_gdal_source *s, bool (*note)(const char *path)) {
-    GDAL_CALL;
-    int left = VRT_FILES_MAX;
-    const bool good = note_files(s->file, note, 0, &left);
-    CPLErrorReset();
-    return good;
 }
 
 void gdal_close(io_gdal_source *s) {

@@ -4,8 +4,6 @@
 
 #include "parts.h"
 
-#include "files.h"
-
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <stdlib.h>
@@ -16,8 +14,7 @@ enum { ERROR_TEXT = 300 };
 struct io_gdal_target {
     GDALDatasetH file;
     char *name;
-    char *path, *path_of_cog; /* GDAL's names of the file that rows go to, and of the COG; NULL: none */
-    gdal_output output;
+    char *path_of_cog; /* the GeoTIFF's, if that is a copy of this file; NULL: none */
     char **cog_options;
     bool (*go_on)(void *context);
     void *go_on_context;
@@ -26,17 +23,10 @@ struct io_gdal_target {
     bool failed;
 };
 
-/* The system's reason, if it was the system that failed: GDAL's own words name a function. */
-static bool fail_write(const io_gdal_target *t, io_error *error) {
-    if (t->output.reason == 0) return gdal_fail(error, t->name, "cannot write");
-    CPLErrorReset();
-    return io_fail(error, "%s: cannot write: %s", t->name, strerror(t->output.reason));
-}
+static bool fail_write(const io_gdal_target *t, io_error *error) { return gdal_fail(error, t->name, "cannot write"); }
 
 static void end(io_gdal_target *t) {
-    gdal_output_remove(&t->output);
     CSLDestroy(t->cog_options);
-    free(t->path);
     free(t->path_of_cog);
     free(t->name);
     free(t);
@@ -77,13 +67,12 @@ static bool describe(io_gdal_target *t, const io_raster_product *p) {
     return true;
 }
 
-static bool create(io_gdal_target *t, const io_raster_product *p, io_error *error) {
+static bool create(io_gdal_target *t, const char *path, const io_raster_product *p, io_error *error) {
     const size_t side[2] = {io_raster_tile_side(p->nx), io_raster_tile_side(p->ny)};
     if (p->compression == IO_ZSTD && !gdal_has_compression("ZSTD"))
         return io_fail(error, "%s: GDAL was built without ZSTD; leave out --compress", t->name);
     char **options = gdal_tiff_options(p, side);
-    t->file =
-        GDALCreate(GDALGetDriverByName("GTiff"), t->path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
+    t->file = GDALCreate(GDALGetDriverByName("GTiff"), path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
     CSLDestroy(options);
     return (t->file != NULL && describe(t, p)) || fail_write(t, error);
 }
@@ -98,18 +87,15 @@ io_gdal_target *gdal_create(const char *path, const char *full, const char *name
         return NULL;
     }
     *t = (io_gdal_target){.name = strdup(name),
-                          .path = gdal_output_name(full ? full : path),
-                          .path_of_cog = full ? gdal_output_name(path) : NULL,
-                          .output = {.path = path},
+                          .path_of_cog = full ? strdup(path) : NULL,
                           .nx = p->nx,
                           .ny = p->ny,
                           .tile_rows = io_raster_tile_side(p->ny),
                           .type = type_of(p->cell),
                           .go_on = p->go_on,
                           .go_on_context = p->go_on_context};
-    gdal_output_add(&t->output);
-    const bool named = (t->name && t->path && (t->path_of_cog || !full)) || io_fail(error, "%s: out of memory", name);
-    if (named && create(t, p, error)) {
+    const bool named = (t->name && (t->path_of_cog || !full)) || io_fail(error, "%s: out of memory", name);
+    if (named && create(t, full ? full : path, p, error)) {
         if (full) t->cog_options = gdal_cog_options(p);
         return t;
     }
@@ -142,10 +128,8 @@ static int CPL_STDCALL goes_on(double share, const char *message, void *context)
     return on;
 }
 
-/* Whether GDAL or the system has complained since CPLErrorReset. */
-static bool has_failed(const io_gdal_target *t) {
-    return CPLGetLastErrorType() >= CE_Failure || gdal_thread_failed() || t->output.reason != 0;
-}
+/* Whether GDAL has complained since CPLErrorReset. */
+static bool has_failed(void) { return CPLGetLastErrorType() >= CE_Failure || gdal_thread_failed(); }
 
 /* Without memory for a smaller copy of the raster, GDAL leaves it empty, forgets the error and goes on. */
 static void CPL_STDCALL keep_error(CPLErr class, CPLErrorNum number, const char *text) {
@@ -163,20 +147,20 @@ static bool copy_to_cog(io_gdal_target *t, io_error *error) {
     if (copy != NULL) GDALClose(copy);
     CPLPopErrorHandler();
     if (copy == NULL && !goes_on(1, NULL, t)) return io_fail(error, "interrupted");
-    if (first[0] != '\0' && !has_failed(t)) CPLError(CE_Failure, CPLE_AppDefined, "%s", first);
-    return (copy != NULL && !has_failed(t)) || fail_write(t, error);
+    if (first[0] != '\0' && !has_failed()) CPLError(CE_Failure, CPLE_AppDefined, "%s", first);
+    return (copy != NULL && !has_failed()) || fail_write(t, error);
 }
 
 bool gdal_finish(io_gdal_target *t, bool whole, io_error *error) {
     GDAL_CALL;
     CPLErrorReset();
     GDALFlushCache(t->file);
-    bool good = !t->failed && !has_failed(t);
+    bool good = !t->failed && !has_failed();
     if (!good && !t->failed) fail_write(t, error);
     if (good && whole && t->path_of_cog) good = copy_to_cog(t, error);
     CPLErrorReset();
     GDALClose(t->file);
-    if (good && has_failed(t)) good = fail_write(t, error);
+    if (good && has_failed()) good = fail_write(t, error);
     end(t);
     return good;
 }
