@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The files that a program has read, so that no output replaces one of them. Known by device and inode: a name may be
- * spelt in many ways, and links give a file several. */
+/* Input files, opened and measured, with errors for a person; and remembered, so that no output replaces one of them. They are known by
+ * device and inode: a name may be spelt in many ways, and links give a file several. */
 #ifndef CELLWALK_IO_INPUTS_H
 #define CELLWALK_IO_INPUTS_H
 
 #include "io_error.h"
 
+#include <stddef.h>
+#include <stdint.h>
 #include <sys/stat.h>
 
 /* From now on files are remembered as they are opened for reading, and outputs that would replace one or each other are
@@ -22,5 +24,15 @@ bool io_inputs_note_path(const char *path);
 
 /* True if that file is remembered. */
 bool io_inputs_have(const struct stat *about);
+
+/* Opens a regular file for reading. Returns the descriptor, which the caller closes, or -1: a directory, a pipe or a
+ * device is also an error, because it has no size to check and cannot be mapped. */
+int io_file_open(const char *path, uint64_t *size, io_error *error);
+
+/* size bytes from offset on. False if the file ends before. */
+bool io_file_read_at(int fd, const char *path, void *to, size_t size, uint64_t offset, io_error *error);
+
+/* The whole file with a NUL byte behind it, to be freed by the caller; NULL on failure. */
+char *io_file_read(const char *path, size_t *size, io_error *error);
 
 #endif

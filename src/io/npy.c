@@ -3,7 +3,7 @@
 
 #include "npy.h"
 
-#include "file.h"
+#include "inputs.h"
 
 #include <errno.h>
 #include <stdlib.h>

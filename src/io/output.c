@@ -7,7 +7,6 @@
 #include "inputs.h"
 #include "linux.h"
 #include "number.h"
-#include "rights.h"
 #include "target.h"
 
 #include <errno.h>
@@ -97,7 +96,7 @@ static int create(const io_output *out, const char *target, mode_t mode) {
 static int create_in_place_of(io_output *out, const struct stat *old) {
     if (faccessat(AT_FDCWD, out->target, W_OK, AT_EACCESS) != 0) return -1;
     const int fd = create(out, out->target, 0600); /* nobody else may read the first bytes either */
-    if (fd < 0 || io_rights_keep(fd, out->target, old)) return fd;
+    if (fd < 0 || io_target_keep_rights(fd, out->target, old)) return fd;
     close(fd);
     if (take(&slots[out->slot], CLAIMED)) unlink(slots[out->slot].temporary);
     return create(out, out->target, 0666);

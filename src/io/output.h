@@ -2,7 +2,7 @@
 /* Output files, renamed into place when complete. The bytes go to a hidden file in the same folder, ".NAME.16 digits.tmp", which is
  * removed when the output fails and when the process ends or is interrupted. A file that is replaced stays as it is until the
  * new bytes are on the disk.
- * Devices and pipes (/dev/stdout) are written directly; "-" is standard output. rights.h says what the new file takes
+ * Devices and pipes (/dev/stdout) are written directly; "-" is standard output. target.h says what the new file takes
  * over from the one it replaces. No output replaces an input (inputs.h). */
 #ifndef CELLWALK_IO_OUTPUT_H
 #define CELLWALK_IO_OUTPUT_H

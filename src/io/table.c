@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "table.h"
 
-#include "file.h"
+#include "inputs.h"
 #include "number.h"
 
 #include <math.h>

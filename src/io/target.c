@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "target.h"
 
+#include "linux.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#if CELLWALK_LINUX
+#include <sys/xattr.h>
+#endif
 
 int io_target_descriptor(const char *path) {
     static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
@@ -83,4 +88,35 @@ bool io_target_same(const io_target_identity *a, const io_target_identity *b) {
     return (a->inode != 0 && a->inode == b->inode && a->device == b->device) ||
            (a->folder_inode != 0 && a->folder_inode == b->folder_inode && a->folder_device == b->folder_device &&
             strcmp(a->base, b->base) == 0);
+}
+
+#if CELLWALK_LINUX
+/* With a list, the mode's bits for the group are the most that the list grants: without the list, they would be the
+ * group's own. A new file may have inherited a list from its folder. */
+static bool keep_list(int fd, const char *old_path) {
+    static const char list[] = "system.posix_acl_access";
+    char bytes[4096];
+    const ssize_t size = getxattr(old_path, list, bytes, sizeof bytes);
+    if (size > 0) return fsetxattr(fd, list, bytes, (size_t)size, 0) == 0;
+    if (size < 0 && errno != ENODATA && errno != ENOTSUP) return false;
+    return fremovexattr(fd, list) == 0 || errno == ENODATA || errno == ENOTSUP;
+}
+#else
+static bool keep_list(int fd, const char *old_path) {
+    (void)fd, (void)old_path;
+    return true;
+}
+#endif
+
+bool io_target_keep_rights(int fd, const char *old_path, const struct stat *old) {
+    struct stat now;
+    if (fstat(fd, &now) != 0) return false;
+    if (now.st_uid != old->st_uid && fchown(fd, old->st_uid, (gid_t)-1) != 0) return false;
+    const bool group = now.st_gid == old->st_gid || fchown(fd, (uid_t)-1, old->st_gid) == 0;
+    mode_t mode = old->st_mode & 0777;
+    if (!group || !keep_list(fd, old_path)) {
+        const mode_t both = mode >> 3 & mode & 07;
+        mode = (mode & 0700) | both << 3 | both;
+    }
+    return fchmod(fd, mode) == 0;
 }

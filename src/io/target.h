@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where an output goes: names of files, links to them, and names of descriptors. */
+/* Where an output goes: names of files, links to them, and names of descriptors; and what of a file stays when another takes its place. */
 #ifndef CELLWALK_IO_TARGET_H
 #define CELLWALK_IO_TARGET_H
 
@@ -28,5 +28,10 @@ typedef struct io_target_identity {
 /* about: of the file, or NULL if there is none; direct: it is no file of the folder. target must live as long as identity. */
 void io_target_identify(io_target_identity *identity, const char *target, bool direct, const struct stat *about);
 bool io_target_same(const io_target_identity *a, const io_target_identity *b);
+
+/* Gives the new file fd the owner, group, access control list and permissions of the old one, so that nobody may do more with it.
+ * Set-user-ID, set-group-ID and sticky bits are never kept. Where the group or the list cannot be, group and others get the permissions
+ * that both had. False if the owner cannot be kept: then nothing of the old file's rights has a meaning for the new one. */
+bool io_target_keep_rights(int fd, const char *old_path, const struct stat *old);
 
 #endif

@@ -115,7 +115,7 @@ static void refuse(const char *path, const char *reason) {
 static void damaged_files_are_refused(void **state) {
     (void)state;
     refuse("missing.exr", "No such file");
-    refuse(written("a.gif", "GIF"), "unknown kind");
+    refuse(written("a.gif", "GIF"), "unknown kind of picture");
     io_error error;
     refuse(written("word.exr", "hello"), "not a readable OpenEXR picture");
     check(io_image_write("whole.exr", &picture, &error), "%s", error.text);

@@ -2,7 +2,6 @@
 /* Output files appear whole or not at all. */
 
 #include "check.h"
-#include "file.h"
 #include "inputs.h"
 #include "output.h"
 #include "scratch.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which format a picture has: by the ending of its file name. */
 
-#include "image_format.h"
+#include "image.h"
 #include "large.h"
 
 #include <stdint.h>
@@ -9,45 +9,42 @@
 #include <string.h>
 #include <strings.h>
 
-#ifndef CELLWALK_OPENEXR
-const image_format image_exr = {".exr", NULL, NULL};
-#endif
-#ifndef CELLWALK_PNG
-const image_format image_png = {".png", NULL, NULL};
-#endif
+typedef struct image_format {
+    const char *ending;
+    bool (*read)(const char *path, io_image *image, io_error *error);
+    bool (*write)(io_output *out, const io_image *image, io_error *error);
+} image_format;
 
-static const image_format *const formats[] = {&image_exr, &image_png};
-enum { FORMATS = sizeof formats / sizeof formats[0] };
+/* Those whose library was there when this was built. */
+static const image_format formats[] = {
+#ifdef CELLWALK_OPENEXR
+    {".exr", io_exr_read, io_exr_put},
+#endif
+#ifdef CELLWALK_PNG
+    {".png", NULL, io_png_put},
+#endif
+    {"", NULL, NULL}};
+enum { FORMATS = sizeof formats / sizeof formats[0] - 1 };
 
-static const image_format *format_of(const char *path) {
-    const size_t length = strlen(path);
+/* Else lists those that this build can write or read; NULL. */
+static const image_format *format_of(const char *path, bool writing, io_error *error) {
+    char able[32] = "";
     for (int k = 0; k < FORMATS; k++) {
-        const size_t ending = strlen(formats[k]->ending);
-        if (length > ending && strcasecmp(path + length - ending, formats[k]->ending) == 0) return formats[k];
+        if (writing ? formats[k].write == NULL : formats[k].read == NULL) continue;
+        const size_t length = strlen(path), ending = strlen(formats[k].ending);
+        if (length > ending && strcasecmp(path + length - ending, formats[k].ending) == 0) return &formats[k];
+        strcat(strcat(able, " "), formats[k].ending);
     }
+    io_fail(error, "%s: unknown kind of picture, or this build has no library for it; it can %s%s", path,
+            writing ? "write" : "read", able[0] != '\0' ? able : " none");
     return NULL;
 }
 
-/* Lists the formats that this build can write (or read). */
-static bool refuse(const char *path, const image_format *format, bool writing, io_error *error) {
-    char able[32] = "";
-    for (int k = 0; k < FORMATS; k++) {
-        if (writing ? formats[k]->write == NULL : formats[k]->read == NULL) continue;
-        if (able[0] != '\0') strcat(able, " ");
-        strcat(able, formats[k]->ending);
-    }
-    return io_fail(error, "%s: %s; this build can %s %s", path,
-                   format ? "this build has no library for that format" : "unknown kind of picture",
-                   writing ? "write" : "read", able);
-}
-
-bool io_image_can_write(const char *path, io_error *error) {
-    const image_format *format = format_of(path);
-    return (format != NULL && format->write != NULL) || refuse(path, format, true, error);
-}
+bool io_image_can_write(const char *path, io_error *error) { return format_of(path, true, error) != NULL; }
 
 bool io_image_put(io_output *out, const io_image *image, io_error *error) {
-    return io_image_can_write(out->name, error) && format_of(out->name)->write(out, image, error);
+    const image_format *format = format_of(out->name, true, error);
+    return format != NULL && format->write(out, image, error);
 }
 
 bool io_image_write(const char *path, const io_image *image, io_error *error) {
@@ -61,9 +58,8 @@ bool io_image_write(const char *path, const io_image *image, io_error *error) {
 
 bool io_image_read(const char *path, io_image *image, io_error *error) {
     *image = (io_image){0};
-    const image_format *format = format_of(path);
-    if (format == NULL || format->read == NULL) return refuse(path, format, false, error);
-    return format->read(path, image, error);
+    const image_format *format = format_of(path, false, error);
+    return format != NULL && format->read(path, image, error);
 }
 
 bool io_image_allocate(io_image *image, size_t width, size_t height, const char *path, io_error *error) {

@@ -42,4 +42,9 @@ void io_image_free(io_image *image);
 /* True if the ending is one that this build can write; else error lists those that it can. */
 bool io_image_can_write(const char *path, io_error *error);
 
+/* The formats, each behind its library. On failure there is nothing to free. */
+bool io_exr_read(const char *path, io_image *image, io_error *error);
+bool io_exr_put(io_output *out, const io_image *image, io_error *error);
+bool io_png_put(io_output *out, const io_image *image, io_error *error);
+
 #endif

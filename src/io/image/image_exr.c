@@ -2,33 +2,25 @@
 /* OpenEXR through its C library. Pictures are put together in memory and written in one piece, because the library goes
  * back to fill in its table of chunks and an output may be a pipe. */
 
-#include "file.h"
-#include "image_format.h"
+#include "image.h"
+#include "inputs.h"
 
 #include <openexr.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-/* The library's first message, to follow the file's name in ours; and the bytes written so far. */
-typedef struct sink {
-    char message[200];
-    uint8_t *bytes;
-    size_t size, capacity;
-} sink;
-
-/* The sink of the picture that this thread is at. The library tells errors while it holds its own lock, on which asking it
- * for the context's user data would wait for ever. */
-static _Thread_local sink *present;
+/* The library's first message about the picture that this thread is at, to follow the file's name in ours. The library tells errors while
+ * it holds its own lock, on which asking it for the context's user data would wait for ever. */
+static _Thread_local char first_message[200];
 
 static void keep_message(exr_const_context_t context, exr_result_t code, const char *message) {
     (void)context, (void)code;
-    if (present != NULL && present->message[0] == '\0')
-        snprintf(present->message, sizeof present->message, "%s", message);
+    if (first_message[0] == '\0') snprintf(first_message, sizeof first_message, "%s", message);
 }
 
-static const char *reason(const sink *s, exr_result_t code) {
-    return s->message[0] != '\0' ? s->message : exr_get_default_error_message(code);
+static const char *reason(exr_result_t code) {
+    return first_message[0] != '\0' ? first_message : exr_get_default_error_message(code);
 }
 
 /* Where a channel's values stand among R, G, B, A; -1 for other names. */
@@ -40,8 +32,13 @@ static int component(const char *name) {
 
 /* ---- writing ------------------------------------------------------------------------------------------------------ */
 
-static int64_t sink_write(exr_const_context_t context, void *user, const void *bytes, uint64_t size, uint64_t offset,
-                          exr_stream_error_func_ptr_t fail) {
+typedef struct sink {
+    uint8_t *bytes;
+    size_t size, capacity;
+} sink;
+
+static int64_t write_bytes(exr_const_context_t context, void *user, const void *bytes, uint64_t size, uint64_t offset,
+                           exr_stream_error_func_ptr_t fail) {
     (void)fail; /* would take the library's lock */
     sink *s = user;
     const size_t end = (size_t)(offset + size);
@@ -95,11 +92,11 @@ static exr_result_t encode_chunks(exr_context_t context, const io_image *image) 
 /* Of zlib, whose default is 6: half of its time for files that are 4 % larger, measured on pictures of the six scenes. */
 enum { ZIP_LEVEL = 4 };
 
-static exr_result_t encode(sink *s, const char *name, const io_image *image) {
+static exr_result_t encode(sink *to, const char *name, const io_image *image) {
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     setup.error_handler_fn = keep_message;
-    setup.user_data = s;
-    setup.write_fn = sink_write;
+    setup.user_data = to;
+    setup.write_fn = write_bytes;
     setup.zip_level = ZIP_LEVEL;
     exr_context_t context = NULL;
     exr_result_t result = exr_start_write(&context, name, EXR_WRITE_FILE_DIRECTLY, &setup);
@@ -119,16 +116,15 @@ static exr_result_t encode(sink *s, const char *name, const io_image *image) {
     return result == EXR_ERR_SUCCESS ? finished : result;
 }
 
-static bool exr_write(io_output *out, const io_image *image, io_error *error) {
+bool io_exr_put(io_output *out, const io_image *image, io_error *error) {
     enum { SIDE_MAX = 1 << 24 }; /* keeps a row's bytes in the 31 bits that the library has for them */
     if (image->width > SIDE_MAX || image->height > SIDE_MAX)
         return io_fail(error, "%s: %zu x %zu pixels are too many for OpenEXR", out->name, image->width, image->height);
     sink s = {0};
-    present = &s;
+    first_message[0] = '\0';
     const exr_result_t result = encode(&s, out->name, image);
-    present = NULL;
     const bool good = result == EXR_ERR_SUCCESS ? io_output_write(out, s.bytes, s.size, error)
-                                                : io_fail(error, "%s: cannot write: %s", out->name, reason(&s, result));
+                                                : io_fail(error, "%s: cannot write: %s", out->name, reason(result));
     free(s.bytes);
     return good;
 }
@@ -229,12 +225,12 @@ static bool know_channels(exr_context_t context, bool *grey) {
     return *grey ? (found & Y) != 0 : (found & 7) == 7;
 }
 
-static bool read_started(reader *r, const char *path, const sink *s, io_error *error) {
+static bool read_started(reader *r, const char *path, io_error *error) {
     exr_storage_t storage;
     exr_attr_box2i_t window;
     exr_result_t result = exr_get_storage(r->context, 0, &storage);
     if (result == EXR_ERR_SUCCESS) result = exr_get_data_window(r->context, 0, &window);
-    if (result != EXR_ERR_SUCCESS) return io_fail(error, "%s: cannot read: %s", path, reason(s, result));
+    if (result != EXR_ERR_SUCCESS) return io_fail(error, "%s: cannot read: %s", path, reason(result));
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
         return io_fail(error, "%s: deep pictures are not supported", path);
     if (!know_channels(r->context, &r->grey))
@@ -249,7 +245,7 @@ static bool read_started(reader *r, const char *path, const sink *s, io_error *e
     result = storage == EXR_STORAGE_TILED ? decode_tiles(r) : decode_lines(r, window.min.y);
     if (result != EXR_ERR_SUCCESS) {
         io_image_free(r->image);
-        return io_fail(error, "%s: cannot read: %s", path, reason(s, result));
+        return io_fail(error, "%s: cannot read: %s", path, reason(result));
     }
     uint16_t *pixel = r->image->halves;
     for (size_t k = 0; r->grey && k < (r->image->width + 2) * r->image->height; k++, pixel += 4)
@@ -257,12 +253,11 @@ static bool read_started(reader *r, const char *path, const sink *s, io_error *e
     return true;
 }
 
-static bool exr_read(const char *path, io_image *image, io_error *error) {
+bool io_exr_read(const char *path, io_image *image, io_error *error) {
     reader r = {.image = image, .decoder = EXR_DECODE_PIPELINE_INITIALIZER};
     r.fd = io_file_open(path, &r.file_size, error);
     if (r.fd < 0) return false;
-    sink s = {0};
-    present = &s;
+    first_message[0] = '\0';
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     setup.error_handler_fn = keep_message;
     setup.user_data = &r;
@@ -272,13 +267,10 @@ static bool exr_read(const char *path, io_image *image, io_error *error) {
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     const exr_result_t result = exr_start_read(&r.context, path, &setup);
     const bool good = result == EXR_ERR_SUCCESS
-                          ? read_started(&r, path, &s, error)
-                          : io_fail(error, "%s: not a readable OpenEXR picture: %s", path, reason(&s, result));
+                          ? read_started(&r, path, error)
+                          : io_fail(error, "%s: not a readable OpenEXR picture: %s", path, reason(result));
     if (r.started) exr_decoding_destroy(r.context, &r.decoder);
     exr_finish(&r.context);
-    present = NULL;
     close(r.fd);
     return good;
 }
-
-const image_format image_exr = {".exr", exr_read, exr_write};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* 8-bit sRGB pictures (IEC 61966-2-1) to look at, through libpng. */
 
-#include "image_format.h"
+#include "image.h"
 
 #include <errno.h>
 #include <math.h>
@@ -17,7 +17,7 @@ static uint8_t srgb(float light) {
     return (uint8_t)(code * 255 + 0.5f);
 }
 
-static bool png_write(io_output *out, const io_image *image, io_error *error) {
+bool io_png_put(io_output *out, const io_image *image, io_error *error) {
     /* Without this libpng accepts at most 10^6 pixels a side. */
     if (image->width > 1000000 || image->height > 1000000)
         return io_fail(error, "%s: %zu x %zu pixels are too many for PNG", out->name, image->width, image->height);
@@ -36,5 +36,3 @@ static bool png_write(io_output *out, const io_image *image, io_error *error) {
     free(code);
     return good || io_fail(error, "%s: cannot write: %s", out->name, errno != 0 ? strerror(errno) : png.message);
 }
-
-const image_format image_png = {".png", NULL, png_write};

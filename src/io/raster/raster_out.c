@@ -4,14 +4,17 @@
 #include "raster_out.h"
 
 #include "gdal/module.h"
+#include "inputs.h"
 #include "npy.h"
 #include "raster_sink.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* ---- NumPy arrays: (rows, columns), or (bands, rows, columns) ---------------------------------------------------- */
 
@@ -143,6 +146,44 @@ bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
     return true;
 }
 
+/* ---- files beside the raster ------------------------------------------------------------------------------------------- */
+
+/* False if there is no such file. A folder of that name is none. */
+static bool find_sidecar(char name[PATH_MAX], const char *ending, const char *path, struct stat *about) {
+    const char *slash = strrchr(path, '/'), *point = strrchr(slash ? slash : path, '.');
+    const int stem = ending[0] == '*' && point != NULL ? (int)(point - path) : (int)strlen(path);
+    const int length = snprintf(name, PATH_MAX, "%.*s%s", stem, path, ending + (ending[0] == '*'));
+    return length > 0 && length < PATH_MAX && lstat(name, about) == 0 && !S_ISDIR(about->st_mode);
+}
+
+/* For an output that replaces no file: false if a file of the list is there, which would be read with the new raster but
+ * may be wanted. For one that replaces a file: false if one of the list is an input. */
+static bool check_list(io_sidecar_list list, const char *path, bool replaces, io_error *error) {
+    char name[PATH_MAX];
+    struct stat about;
+    for (; list != NULL && *list != NULL; list++) {
+        if (!find_sidecar(name, *list, path, &about)) continue;
+        if (!replaces)
+            return io_fail(error,
+                           "%s: cannot write: %s, left of another file, would be read with it; remove that first", path,
+                           name);
+        if (io_inputs_have(&about))
+            return io_fail(error, "%s: cannot write: %s belongs to it and is also an input", path, name);
+    }
+    return true;
+}
+
+/* Removes them; links, and not the files behind them. False, with a message, if one stays. */
+static bool remove_list(io_sidecar_list list, const char *path, io_error *error) {
+    char name[PATH_MAX];
+    struct stat about;
+    for (; list != NULL && *list != NULL; list++)
+        if (find_sidecar(name, *list, path, &about) && unlink(name) != 0 && errno != ENOENT)
+            return io_fail(error, "%s: is written, but %s of the file before it cannot be removed: %s", path, name,
+                           strerror(errno));
+    return true;
+}
+
 /* Of a picture of a placed terrain, unless it goes to a device or a pipe. */
 static bool has_world(const io_raster_writer *w) {
     return w->sink == &io_sink_png && w->product.georef->placed && !w->output.direct;
@@ -168,9 +209,10 @@ static bool check_sidecars(const io_raster_writer *w, io_error *error) {
     const bool replaces = stat(w->output.target, &old) == 0;
     if (w->output.direct) return true;
     if (has_world(w)) list++; /* which is written anew */
-    return io_sidecars_check(list, w->output.target, replaces, error) &&
-           io_sidecars_check(list, w->output.name, replaces, error);
+    return check_list(list, w->output.target, replaces, error) && check_list(list, w->output.name, replaces, error);
 }
+
+/* ---- from the first row to the last -------------------------------------------------------------------------------------- */
 
 bool io_raster_create(io_raster_writer *w, const char *path, const io_raster_product *product, io_error *error) {
     *w = (io_raster_writer){.product = *product, .left = (uint64_t)product->bands * product->nx * product->ny};
@@ -210,9 +252,9 @@ static bool commit(io_raster_writer *w, io_error *error) {
     char *names[2] = {strdup(w->output.target), strdup(w->output.name)}; /* where programs look for sidecars */
     bool good = (names[0] != NULL && names[1] != NULL) || io_fail(error, "%s: out of memory", w->output.name);
     good = good && (!world || io_output_settle(&w->world, error)) && io_output_commit(&w->output, error) &&
-           io_sidecars_remove(list, names[0], error) && io_sidecars_remove(list, names[1], error);
+           remove_list(list, names[0], error) && remove_list(list, names[1], error);
     if (good && world && !io_output_commit(&w->world, error)) {
-        io_sidecars_remove(world_file, names[0], NULL);
+        remove_list(world_file, names[0], NULL);
         good = false;
     }
     for (int k = 0; k < 2; k++) free(names[k]);

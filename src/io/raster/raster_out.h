@@ -83,7 +83,7 @@ bool io_raster_write(io_raster_writer *writer, const void *cells, size_t rows, i
 /* A rectangle of a band, in any order, each cell once; of a GeoTIFF alone. */
 bool io_raster_write_window(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,
                             io_error *error);
-/* False too if an old file's sidecar (sidecars.h) cannot be removed: then the new file is complete all the same. */
+/* False too if an old file's sidecar (raster_sink.h) cannot be removed: then the new file is complete all the same. */
 bool io_raster_commit(io_raster_writer *writer, io_error *error);
 /* Does nothing on a writer that is all zero, committed or discarded. */
 void io_raster_discard(io_raster_writer *writer);

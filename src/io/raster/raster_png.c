@@ -4,6 +4,7 @@
 
 #include "raster_sink.h"
 
+#include <errno.h>
 #include <png.h>
 #include <setjmp.h>
 #include <stdlib.h>
@@ -12,13 +13,13 @@
 typedef struct png_state {
     png_structp png;
     png_infop info;
-    io_error error; /* the last error of libpng or of the file */
+    const char *name, *problem;
     unsigned char *grey;
 } png_state;
 
 static void on_error(png_structp png, png_const_charp text) {
     png_state *s = png_get_error_ptr(png);
-    if (s->error.text[0] == '\0') io_fail(&s->error, "%s", text);
+    s->problem = errno != 0 ? strerror(errno) : text; /* of a file libpng says only that it failed */
     png_longjmp(png, 1);
 }
 
@@ -27,13 +28,9 @@ static void on_warning(png_structp png, png_const_charp text) {
     (void)text;
 }
 
-static void on_write(png_structp png, png_bytep bytes, png_size_t size) {
-    io_raster_writer *w = png_get_io_ptr(png);
-    png_state *s = w->state;
-    if (!io_output_write(&w->output, bytes, size, &s->error)) png_error(png, "write");
+static bool fail(const png_state *s, io_error *error) {
+    return io_fail(error, "%s: cannot write: %s", s->name, s->problem);
 }
-
-static void on_flush(png_structp png) { (void)png; }
 
 static void free_state(io_raster_writer *w) {
     png_state *s = w->state;
@@ -59,9 +56,11 @@ static bool png_create(io_raster_writer *w, io_error *error) {
         free_state(w);
         return io_fail(error, "%s: out of memory", w->output.name);
     }
-    png_set_write_fn(s->png, w, on_write, on_flush);
+    png_init_io(s->png, w->output.file);
+    s->name = w->output.name;
+    errno = 0;
     if (setjmp(png_jmpbuf(s->png))) {
-        io_fail(error, "%s", s->error.text);
+        fail(s, error);
         free_state(w);
         return false;
     }
@@ -89,7 +88,8 @@ static bool png_write(io_raster_writer *w, size_t band, const io_raster_window *
     (void)band;
     const io_raster_product *p = &w->product;
     png_state *s = w->state;
-    if (setjmp(png_jmpbuf(s->png))) return io_fail(error, "%s", s->error.text);
+    errno = 0;
+    if (setjmp(png_jmpbuf(s->png))) return fail(s, error);
     for (size_t j = 0; j < window->ny; j++) {
         if (p->rgb) {
             png_write_row(s->png, (const unsigned char *)cells + 3 * j * p->nx);
@@ -104,8 +104,9 @@ static bool png_write(io_raster_writer *w, size_t band, const io_raster_window *
 static bool png_finish(io_raster_writer *w, bool whole, io_error *error) {
     png_state *s = w->state;
     volatile bool good = whole;
+    errno = 0;
     if (setjmp(png_jmpbuf(s->png)))
-        good = io_fail(error, "%s", s->error.text);
+        good = fail(s, error);
     else if (whole)
         png_write_end(s->png, NULL);
     free_state(w);

@@ -4,7 +4,11 @@
 #define CELLWALK_IO_RASTER_SINK_H
 
 #include "raster_out.h"
-#include "sidecars.h"
+
+/* Files beside a raster that programs read as part of it: statistics, smaller copies, masks, world files. Those of a file that is
+ * replaced would be wrong for the new one, and are removed with it. Up to a NULL: ".ovr" is added to the raster's name, "*.tfw" takes
+ * the place of its ending. */
+typedef const char *const *io_sidecar_list;
 
 typedef struct io_raster_sink {
     const char *ending; /* ".tif" */

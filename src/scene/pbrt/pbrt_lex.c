@@ -4,7 +4,7 @@
 
 #include "pbrt_lex.h"
 
-#include "file.h"
+#include "inputs.h"
 #include "number.h"
 
 #include <math.h>

@@ -8,6 +8,7 @@
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <gdal_frmts.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -76,6 +77,29 @@ static unsigned choose_threads(const io_raster_product *p) {
     if (p->compression == IO_UNCOMPRESSED || bytes < bytes_of_a_large_file) return 1;
     const unsigned count = p->threads > 0 ? p->threads : cpus_usable();
     return count < THREADS_MAX ? count : THREADS_MAX;
+}
+
+static void *wait_for_end(void *lock) {
+    void *block = malloc(1); /* glibc reserves addresses for each thread that allocates */
+    pthread_mutex_lock(lock);
+    pthread_mutex_unlock(lock);
+    free(block);
+    return NULL;
+}
+
+/* Whether the system lets so many threads run beside those that there are. Three times as many are tried: those tried count against
+ * limits for a moment after they were joined, others of this user start threads as well, and stacks must not take the last memory. */
+static bool threads_can_start(unsigned wanted) {
+    const unsigned count = 3 * wanted;
+    pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    pthread_t *threads = calloc(count, sizeof *threads);
+    unsigned started = 0;
+    pthread_mutex_lock(&lock);
+    while (threads && started < count && pthread_create(&threads[started], NULL, wait_for_end, &lock) == 0) started++;
+    pthread_mutex_unlock(&lock);
+    for (unsigned k = 0; k < started; k++) pthread_join(threads[k], NULL);
+    free(threads);
+    return started == count;
 }
 
 /* GDAL starts the threads as soon as it has the options, and waits for ever for one that the system refuses. */

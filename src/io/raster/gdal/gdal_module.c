@@ -105,20 +105,8 @@ static void own_process(void) {
 /* The one symbol that the module exports. */
 __attribute__((visibility("default"))) io_gdal_entry cellwalk_gdal_module;
 const io_gdal *cellwalk_gdal_module(const io_gdal_host *host) {
-    static const io_gdal table = {
-        .version = IO_GDAL_VERSION,
-        .open = gdal_open,
-        .read = gdal_read,
-        .close = gdal_close,
-        .check_creation = gdal_check_creation,
-        .points = gdal_points,
-        .areas = gdal_areas,
-        .create = gdal_create,
-        .write = gdal_write,
-        .finish = gdal_finish,
-        .lon_lat = gdal_lon_lat,
-        .scales = gdal_scales,
-    };
+#define ENTRY(name) .name = gdal_##name,
+    static const io_gdal table = {.version = IO_GDAL_VERSION, IO_GDAL_FUNCTIONS(ENTRY)};
     static bool ready;
     if (ready) return &table;
     ready = true;

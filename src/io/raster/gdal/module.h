@@ -14,43 +14,49 @@ enum { IO_GDAL_VERSION = 13 };
 typedef struct io_gdal_source io_gdal_source;
 typedef struct io_gdal_target io_gdal_target;
 
+/* ---- functions of the module, which the program reaches through the table below ------------------------------------------ */
+
+/* Opens a band of a file, and calls note with names of the files that it is made of; fills in all of raster but the samples.
+ * rows_at_once is how many rows are best read together. Closed by close. NULL on failure; georef must be freed then, too. */
+io_gdal_source *gdal_open(const char *path, const io_raster_options *options, bool (*note)(const char *path),
+                          io_raster *raster, size_t *rows_at_once, io_error *error);
+/* Rows first to first + count - 1 as heights, scale and offset applied, NaN where there are none. */
+bool gdal_read(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error);
+void gdal_close(io_gdal_source *source);
+
+/* Gives places from a file of features to add, and names of the files that it is made of to note. */
+bool gdal_points(const char *path, const io_points_options *options, io_points *points,
+                 bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
+                 io_error *error);
+
+/* Sets the bytes of samples inside the polygons of a file of features. */
+bool gdal_areas(const char *path, const io_points_options *options, const io_mask *mask, bool (*note)(const char *path),
+                io_error *error);
+
+/* False unless GDAL knows these count creation options, "NAME=VALUE", of GeoTIFFs. */
+bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error);
+/* Makes a GeoTIFF of the file at path, which is there and empty; messages call it name. full: for COG, another such file, at first
+ * with all rows; GDAL makes more of names that begin with path, and removes them. NULL on failure. */
+io_gdal_target *gdal_create(const char *path, const char *full, const char *name, const io_raster_product *product,
+                            io_error *error);
+bool gdal_write(io_gdal_target *target, size_t band, const io_raster_window *window, const void *cells,
+                io_error *error);
+/* Closes the target; false if the data did not reach the file. whole: all rows were written; else no COG is made. */
+bool gdal_finish(io_gdal_target *target, bool whole, io_error *error);
+
+/* Longitude and latitude (WGS 84, degrees) of n places of a coordinate system, or the other way round; in place. */
+bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
+
+/* The scale of a projected system at n places: metres on its ellipsoid in one of the map's x and in one of its y, and
+ * the cosine of the angle between the two there. */
+bool gdal_scales(const char *crs, size_t n, const double *x, const double *y, double (*metres)[3], io_error *error);
+
+#define IO_GDAL_FUNCTIONS(F)                                                                                           \
+    F(open) F(read) F(close) F(points) F(areas) F(check_creation) F(create) F(write) F(finish) F(lon_lat) F(scales)
+#define IO_GDAL_FIELD(name) __typeof__(gdal_##name) *name;
 typedef struct io_gdal {
     int version; /* IO_GDAL_VERSION as the module was built */
-
-    /* Opens a band of a file, and calls note with names of the files that it is made of; fills in all of raster but the samples.
-     * rows_at_once is how many rows are best read together. Closed by close. NULL on failure; georef must be freed then, too. */
-    io_gdal_source *(*open)(const char *path, const io_raster_options *options, bool (*note)(const char *path),
-                            io_raster *raster, size_t *rows_at_once, io_error *error);
-    /* Rows first to first + count - 1 as heights, scale and offset applied, NaN where there are none. */
-    bool (*read)(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error);
-    void (*close)(io_gdal_source *source);
-
-    /* Gives places from a file of features to add, and names of the files that it is made of to note. */
-    bool (*points)(const char *path, const io_points_options *options, io_points *points,
-                   bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
-                   io_error *error);
-
-    /* Sets the bytes of samples inside the polygons of a file of features. */
-    bool (*areas)(const char *path, const io_points_options *options, const io_mask *mask,
-                  bool (*note)(const char *path), io_error *error);
-
-    /* False unless GDAL knows these count creation options, "NAME=VALUE", of GeoTIFFs. */
-    bool (*check_creation)(const char *const *creation, size_t count, bool cog, io_error *error);
-    /* Makes a GeoTIFF of the file at path, which is there and empty; messages call it name. full: for COG, another such file, at first
-     * with all rows; GDAL makes more of names that begin with path, and removes them. NULL on failure. */
-    io_gdal_target *(*create)(const char *path, const char *full, const char *name, const io_raster_product *product,
-                              io_error *error);
-    bool (*write)(io_gdal_target *target, size_t band, const io_raster_window *window, const void *cells,
-                  io_error *error);
-    /* Closes the target; false if the data did not reach the file. whole: all rows were written; else no COG is made. */
-    bool (*finish)(io_gdal_target *target, bool whole, io_error *error);
-
-    /* Longitude and latitude (WGS 84, degrees) of n places of a coordinate system, or the other way round; in place. */
-    bool (*lon_lat)(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
-
-    /* The scale of a projected system at n places: metres on its ellipsoid in one of the map's x and in one of its y, and
-     * the cosine of the angle between the two there. */
-    bool (*scales)(const char *crs, size_t n, const double *x, const double *y, double (*metres)[3], io_error *error);
+    IO_GDAL_FUNCTIONS(IO_GDAL_FIELD)
 } io_gdal;
 
 /* What the module exports under the name IO_GDAL_SYMBOL. host: NULL where the process is not the program's own. */

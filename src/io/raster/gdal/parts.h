@@ -38,38 +38,14 @@ void gdal_leave(const bool *entered);
 /* Tells the options' warn. */
 __attribute__((format(printf, 2, 3))) void gdal_warn(const io_raster_options *options, const char *format, ...);
 
-io_gdal_source *gdal_open(const char *path, const io_raster_options *options, bool (*note)(const char *path),
-                          io_raster *raster, size_t *rows_at_once, io_error *error);
-bool gdal_read(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error);
-void gdal_close(io_gdal_source *source);
-
 /* Fills in the facts of a coordinate system: well-known text, units, ellipsoid, and the unit of heights if it has
  * one. */
 void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef);
-bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
-bool gdal_scales(const char *crs, size_t n, const double *at_x, const double *at_y, double (*metres)[3],
-                 io_error *error);
-
-bool gdal_points(const char *path, const io_points_options *options, io_points *points,
-                 bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
-                 io_error *error);
-
-bool gdal_areas(const char *path, const io_points_options *options, const io_mask *mask, bool (*note)(const char *path),
-                io_error *error);
 
 /* Creation options for GDAL, which the caller frees: the program's, replaced by those of the user. side: of a tile. */
 char **gdal_tiff_options(const io_raster_product *product, const size_t side[2]);
 char **gdal_cog_options(const io_raster_product *product);
-/* True if the system lets so many threads, and some more, run beside those that there are. Those tried have ended by the return. */
-bool threads_can_start(unsigned wanted);
 /* Whether GDAL was built with a compression of GeoTIFFs. */
 bool gdal_has_compression(const char *name);
-bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error);
-
-io_gdal_target *gdal_create(const char *path, const char *full, const char *name, const io_raster_product *product,
-                            io_error *error);
-bool gdal_write(io_gdal_target *target, size_t band, const io_raster_window *window, const void *cells,
-                io_error *error);
-bool gdal_finish(io_gdal_target *target, bool whole, io_error *error);
 
 #endif
