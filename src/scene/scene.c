@@ -2,7 +2,6 @@
 /* Scenes from their reading to their end. */
 
 #include "model.h"
-#include "pbrt_parse.h"
 
 #include <stdlib.h>
 

@@ -6,27 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool fail(const pbrt_site *site, size_t offset, io_error *error, const char *format, va_list arguments) {
+bool pbrt_fail_at(const pbrt_site *site, size_t offset, io_error *error, const char *format, ...) {
     char text[256];
+    va_list arguments;
+    va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
     return io_fail(error, "%s:%zu: %s%s%s", site->source->path, pbrt_line(site->source, offset), site->name,
                    site->name[0] ? ": " : "", text);
-}
-
-bool pbrt_fail(const pbrt_site *site, io_error *error, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    fail(site, site->offset, error, format, arguments);
-    va_end(arguments);
-    return false;
-}
-
-bool pbrt_fail_at(const pbrt_site *site, size_t offset, io_error *error, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    fail(site, offset, error, format, arguments);
-    va_end(arguments);
-    return false;
 }
 
 char *pbrt_read_string(const pbrt_site *site, io_error *error) {

@@ -32,9 +32,9 @@ typedef struct pbrt_params {
 } pbrt_params;
 
 /* "file:line: directive: …", at the directive or at another place; returns false. */
-__attribute__((format(printf, 3, 4))) bool pbrt_fail(const pbrt_site *site, io_error *error, const char *format, ...);
 __attribute__((format(printf, 4, 5))) bool pbrt_fail_at(const pbrt_site *site, size_t offset, io_error *error,
                                                         const char *format, ...);
+#define pbrt_fail(site, ...) pbrt_fail_at(site, (site)->offset, __VA_ARGS__)
 
 /* Reads the string that follows a directive. The caller frees it; NULL on failure. */
 char *pbrt_read_string(const pbrt_site *site, io_error *error);

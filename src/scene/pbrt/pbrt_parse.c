@@ -2,7 +2,6 @@
 /* The directives of a .pbrt file, except those that put something into the world. A directive that is not known is an
  * error and not a guess: a picture without a part of the file would be wrong without a message. */
 
-#include "pbrt_parse.h"
 #include "pbrt_state.h"
 
 #include <errno.h>

@@ -72,12 +72,6 @@ static void camera_rays(wave *w, size_t x, size_t y, const wave_region *region, 
                     keep_in_region(r, bx, by, region);
             }
         }
-    const double left = p->corner[0] + (double)x * p->pixel, top = p->corner[1] - (double)y * p->pixel;
-    const double side = WAVE_TILE * p->pixel;
-    w->view[0][0] = (float)left;
-    w->view[1][0] = (float)(left + side);
-    w->view[0][1] = (float)(top - side);
-    w->view[1][1] = (float)top;
     r->segments[0] = (wave_segment){PLAN_CAMERA, 0, r->count};
     r->segment_count = 1;
 }

@@ -185,56 +185,6 @@ static void place_sky(plan *p) {
         }
 }
 
-/* The square root of the sum of a matrix's squares: it makes no vector longer than so many times. */
-static double stretch(double m[3][3]) {
-    double sum = 0;
-    for (int r = 0; r < 3; r++) sum += dot(m[r], m[r]);
-    return sqrt(sum);
-}
-
-/* Finds the rectangle in which the camera sees a shape's box, if all of it lies in front. Camera rays are moved to
- * the shape's space in floats: each component of a direction d there is off by less than 2^-22 |row| |d|, of the
- * origin by 2^-24 of itself. Back in the camera's space that turns a ray by less than there · back · 2^-21 (1 +
- * farthest / nearest), where there and back are how far the maps between the two stretch, and farthest and nearest
- * are the corners. The room that is left around is four times as wide. */
-static void find_seen(plan_shape *shape, const plan_space *camera, const plan_space *own) {
-    double there[3][3], back[3][3];
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++) {
-            there[r][c] = back[r][c] = 0;
-            for (int k = 0; k < 3; k++) {
-                there[r][c] += own->back[r][k] * camera->to_world.m[k][c];
-                back[r][c] += camera->back[r][k] * own->to_world.m[k][c];
-            }
-        }
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, nearest = INFINITY, farthest = 0;
-    for (int corner = 0; corner < 8; corner++) {
-        double at[3], world[3], seen[3];
-        for (int k = 0; k < 3; k++) at[k] = (double)(corner >> k & 1 ? shape->high[k] : shape->low[k]);
-        transform_point(&own->to_world, at, world);
-        into_space(camera, world, seen);
-        nearest = fmin(nearest, seen[2]);
-        farthest = fmax(farthest, sqrt(dot(seen, seen)));
-        for (int c = 0; c < 2; c++) {
-            low[c] = fmin(low[c], seen[c] / seen[2]);
-            high[c] = fmax(high[c], seen[c] / seen[2]);
-        }
-    }
-    /* The origin of the shape's space is one of the corners but for its height. */
-    double begin[3], origin[3];
-    origin_of(own, begin);
-    into_space(camera, begin, origin);
-    farthest = fmax(farthest, sqrt(dot(origin, origin)));
-    double slopes = 1; /* a turn by so much moves a ray by this many times as much at depth 1 */
-    for (int c = 0; c < 2; c++) slopes += fmax(low[c] * low[c], high[c] * high[c]);
-    const double room = slopes * stretch(there) * stretch(back) * 0x1p-19 * (1 + farthest / nearest);
-    const bool known = nearest > 0 && room < 0.1;
-    for (int c = 0; c < 2; c++) {
-        shape->seen[0][c] = known ? (float)(low[c] - room) : -INFINITY;
-        shape->seen[1][c] = known ? (float)(high[c] + room) : INFINITY;
-    }
-}
-
 static size_t given(size_t option, size_t otherwise) { return option > 0 ? option : otherwise; }
 
 bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
@@ -267,7 +217,6 @@ bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
             *own = space_of(&s->cylinders[k - p->field_count].to_world);
         }
         describe_shape(shape, p, own);
-        find_seen(shape, &p->spaces[PLAN_CAMERA], own);
     }
     find_features(p);
     place_camera(p);

@@ -32,7 +32,6 @@ typedef struct plan_shape {
     const material *surface;
     bool sends;            /* light can come from here: some light is there, or it is a mirror that is not black */
     float low[3], high[3]; /* a box around it */
-    float seen[2][2]; /* where the camera sees the box, at depth 1: the least x and y, and the most; or everywhere */
     /* Of the world's lengths of vectors and of covectors such as normals, both in this space. */
     plan_metric metric, inverse;
     float offset;      /* a ray that starts here leaves out this share of the way to here */

@@ -166,44 +166,14 @@ LANE_INLINE size_t ask(wave *w, size_t asked, const moved *m, uint8_t *passes, s
 
 /* ---- closest hits ------------------------------------------------------------------------------------------------ */
 
-/* Bounds on several rays, before each one is tested against a box. */
-typedef enum passing { NONE_PASS, SOME_PASS, ALL_PASS } passing;
-
-/* The tile's camera rays and a field's box: none passes if the tile lies outside of the rectangle in which the box
- * is seen; all do if those in the tile's corners do, as the box is convex, and as long as no field has been met. */
-static passing camera_passes(const wave *w, size_t f) {
-    const plan *p = w->plan;
-    const plan_shape *shape = &p->shapes[f];
-    if (p->general) return ALL_PASS;
-    const float *low = w->view[0], *high = w->view[1];
-    if (high[0] < shape->seen[0][0] || low[0] > shape->seen[1][0] || high[1] < shape->seen[0][1] ||
-        low[1] > shape->seen[1][1])
-        return NONE_PASS;
-    if (!w->open) return SOME_PASS; /* rays may have ended before they come to the box */
-    const plan_map map = plan_map_to(p, f, PLAN_CAMERA);
-    moved m;
-    for (int k = 0; k < WAVE_LANES; k++) {
-        const float x = k & 1 ? high[0] : low[0], y = k & 2 ? high[1] : low[1];
-        for (int c = 0; c < 3; c++) {
-            m.org[c][k] = map.m[c][3];
-            m.dir[c][k] = lane_turn(map.m[c], x, y, 1);
-        }
-        m.tmin[k] = 0;
-        m.tmax[k] = INFINITY;
-    }
-    uint8_t passes[WAVE_LANES];
-    pass_box(shape, &m, passes);
-    return count_passes(passes) == WAVE_LANES ? ALL_PASS : SOME_PASS;
-}
-
-LANE_INLINE size_t ask_closest(wave *w, const wave_rays *r, const wave_segment *g, size_t f, size_t asked, origin from,
-                               passing before) {
+LANE_INLINE size_t ask_closest(wave *w, const wave_rays *r, const wave_segment *g, size_t f, size_t asked,
+                               origin from) {
     const plan *p = w->plan;
     const plan_map map = plan_map_to(p, f, g->home);
     for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
         moved m;
         move_rays(&map, from, w->t, r, first, &m);
-        if (before == ALL_PASS) {
+        if (p->general) {
             asked = ask_all(w, asked, &m, first, g->end - first);
             continue;
         }
@@ -217,22 +187,15 @@ LANE_INLINE size_t ask_closest(wave *w, const wave_rays *r, const wave_segment *
 /* The rays of one segment. The constants pick the code that is compiled. */
 static size_t ask_segment(wave *w, const wave_rays *r, const wave_segment *g, size_t f, size_t asked) {
     const origin from = origin_of(g->home, f);
-    const passing before = from == FROM_CAMERA ? camera_passes(w, f) : w->plan->general ? ALL_PASS : SOME_PASS;
-    if (before == NONE_PASS) return asked;
-    if (before == ALL_PASS)
-        return from == FROM_CAMERA ? ask_closest(w, r, g, f, asked, FROM_CAMERA, ALL_PASS)
-               : from == FROM_HERE ? ask_closest(w, r, g, f, asked, FROM_HERE, ALL_PASS)
-                                   : ask_closest(w, r, g, f, asked, FROM_ELSEWHERE, ALL_PASS);
-    return from == FROM_CAMERA ? ask_closest(w, r, g, f, asked, FROM_CAMERA, SOME_PASS)
-           : from == FROM_HERE ? ask_closest(w, r, g, f, asked, FROM_HERE, SOME_PASS)
-                               : ask_closest(w, r, g, f, asked, FROM_ELSEWHERE, SOME_PASS);
+    return from == FROM_CAMERA ? ask_closest(w, r, g, f, asked, FROM_CAMERA)
+           : from == FROM_HERE ? ask_closest(w, r, g, f, asked, FROM_HERE)
+                               : ask_closest(w, r, g, f, asked, FROM_ELSEWHERE);
 }
 
 static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
     size_t asked = 0;
     for (size_t s = 0; s < r->segment_count; s++) asked = ask_segment(w, r, &r->segments[s], f, asked);
     if (asked == 0) return;
-    w->open = false;
     cw_hit *answers = w->answers[f];
     wave_lap(w, WAVE_RAYS);
     w->tracer->closest(w->tracer->context, f, w->asked, asked, answers);
@@ -319,7 +282,6 @@ static void trace_paths(wave *w, const wave_rays *r) {
         w->t[k] = INFINITY;
         w->shape[k] = WAVE_MISS;
     }
-    w->open = true;
     for (size_t f = 0; f < w->plan->field_count; f++) closest_on_field(w, r, f);
     for (size_t c = w->plan->field_count; c < w->plan->shape_count; c++) closest_on_cylinder(w, r, c);
     wave_lap(w, WAVE_RAYS);

@@ -128,14 +128,11 @@ typedef struct wave {
 
     float t[WAVE_ROOM]; /* where each ray ends; infinity where nothing is */
     int32_t shape[WAVE_ROOM];
-    bool open;                /* no field has been asked about these rays yet */
     uint32_t hit[WAVE_ROOM];  /* where shape is a height field: number of its answer */
     uint32_t path[WAVE_ROOM]; /* those of one shape, in order */
     wave_strip strip;
     wave_footprints footprints;
     wave_probes probes;
-
-    float view[2][2]; /* where the tile's camera rays pass at depth 1: the least x and y, and the most */
 
     /* One query of the tracer: the field, the rays and the answers. */
     cw_ray asked[WAVE_ROOM];
