@@ -18,42 +18,29 @@ static const uint64_t most_samples = (uint64_t)1 << 31;
 
 static const char *const module_name = "cellwalk_gdal.so";
 
-/* Elsewhere than on Linux CELLWALK_MODULES is needed. */
-static bool find_program(char path[PATH_MAX]) {
-#if CELLWALK_LINUX
-    const ssize_t length = readlink("/proc/self/exe", path, PATH_MAX - 1);
-    if (length > 0) path[length] = '\0';
-    return length > 0;
-#else
-    (void)path;
-    return false;
-#endif
+/* Whether the module lies in the folder of a file, or a way from there. */
+static bool is_beside(const char *file, const char *way, char path[PATH_MAX]) {
+    const char *slash = strrchr(file, '/');
+    return slash != NULL &&
+           snprintf(path, PATH_MAX, "%.*s%s/%s", (int)(slash - file), file, way, module_name) < PATH_MAX &&
+           access(path, R_OK) == 0;
 }
 
 /* Where the module may lie: where CELLWALK_MODULES says; beside the shared object that this code is in, as in Python's
- * package; beside the program, as it is built; and where it is installed, a way from the program's folder that moves with it. */
+ * package; beside the program, as it is built; and where it is installed, a way from the program's folder that moves with it.
+ * Elsewhere than on Linux the program is not known. */
 static bool find_module(char path[PATH_MAX]) {
-    char program[PATH_MAX];
-    const char *given = getenv("CELLWALK_MODULES");
-    if (given != NULL && snprintf(path, PATH_MAX, "%s/%s", given, module_name) < PATH_MAX)
-        return access(path, R_OK) == 0;
     static const char here;
+    char program[PATH_MAX] = "";
+    const char *given = getenv("CELLWALK_MODULES");
+    if (given != NULL)
+        return snprintf(path, PATH_MAX, "%s/%s", given, module_name) < PATH_MAX && access(path, R_OK) == 0;
+#if CELLWALK_LINUX
+    if (readlink("/proc/self/exe", program, sizeof program - 1) < 0) return false;
+#endif
     Dl_info object;
-    const char *slash_of_object = dladdr(&here, &object) != 0 ? strrchr(object.dli_fname, '/') : NULL;
-    if (slash_of_object != NULL &&
-        snprintf(path, PATH_MAX, "%.*s/%s", (int)(slash_of_object - object.dli_fname), object.dli_fname, module_name) <
-            PATH_MAX &&
-        access(path, R_OK) == 0)
-        return true;
-    if (!find_program(program)) return false;
-    char *slash = strrchr(program, '/');
-    if (slash == NULL) return false;
-    *slash = '\0';
-    static const char *const folders[] = {"", "/" CELLWALK_MODULES_FROM_PROGRAM};
-    for (size_t k = 0; k < sizeof folders / sizeof folders[0]; k++)
-        if (snprintf(path, PATH_MAX, "%s%s/%s", program, folders[k], module_name) < PATH_MAX && access(path, R_OK) == 0)
-            return true;
-    return false;
+    return (dladdr(&here, &object) != 0 && is_beside(object.dli_fname, "", path)) || is_beside(program, "", path) ||
+           is_beside(program, "/" CELLWALK_MODULES_FROM_PROGRAM, path);
 }
 
 bool io_gdal_is_there(void) {
