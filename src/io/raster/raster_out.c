@@ -88,7 +88,8 @@ static bool tif_write(io_raster_writer *w, size_t band, const io_raster_window *
 
 static bool tif_finish(io_raster_writer *w, bool whole, io_error *error) {
     tif_state *s = w->state;
-    const bool good = (io_gdal_load(error)->finish(s->target, whole, error) && whole) || fail_tif(w, s, error);
+    const bool ended = io_gdal_load(error)->finish(s->target, whole, error);
+    const bool good = whole && (ended || fail_tif(w, s, error));
     free_tif(s);
     return good;
 }
