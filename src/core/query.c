@@ -4,6 +4,7 @@
 
 #include "field.h"
 #include "fpenv.h"
+#include "isa.h"
 #include "kernels.h"
 #include "run.h"
 
@@ -15,22 +16,56 @@ enum { SHARED = 1024 };
 /* As many as keep the kernels' batches full, and few. */
 enum { BLOCK = 512 };
 
+/* The best walks for few rays: of one; of at most FEW_LANES and of more, all short by a guess; of more than FEW_ALONE, or of one that takes
+ * long. */
+enum { FEW_LANES = 4, FEW_ALONE = 4 };
+typedef struct few_walks {
+    cw_one_fn *one;
+    cw_short_fn *if_short[2];
+    const cw_kernel_code *others;
+} few_walks;
+
+/* Of 16 lanes half would be empty, and they take more of the stack. */
+#define FEW_OF(walk, lanes) FEW_OF_##lanes(walk)
+#define FEW_OF_4(walk)      walk##4
+#define FEW_OF_8(walk)      walk##8
+#define FEW_OF_16(walk)     walk##8
+/* clang-format off */
+#define KERNEL(set, lanes) \
+    [CW_ISA_##set] = {cw_one##lanes, {cw_short4, FEW_OF(cw_short, lanes)}, &FEW_OF(cw_pyramid, lanes)},
+static const few_walks few[CW_ISA_COUNT] = {[CW_ISA_SCALAR] = {.others = &cw_pyramid1}, CELLWALK_KERNELS};
+#undef KERNEL
+/* clang-format on */
+
+/* Does for n <= CW_FEW_RAYS rays what a cw_trace_fn does. */
+static inline void trace_few(cw_isa isa, const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits,
+                             uint8_t *occluded) {
+    const few_walks *w =
+        &few[few[isa].others ? isa : CW_ISA_SCALAR]; /* a library may have fewer kernels than the machine */
+    if (n > 1) {
+        cw_short_fn *const if_short = w->if_short[n > FEW_LANES];
+        if (if_short && if_short(field, rays, n, hits, occluded)) return;
+    }
+    if (n <= FEW_ALONE && cw_one(field, w->one, rays, n, hits, occluded)) return;
+    w->others->trace[CW_LEAF_WATERTIGHT](field, rays, n, hits, occluded);
+}
+
 typedef struct query_job {
     const cw_field *field;
     const cw_ray *rays;
     const cw_user_ray *user_rays; /* instead of rays */
     cw_run how;
-    cw_short_fn *if_short; /* the first attempt for few rays, or NULL */
-    cw_hit *hits;          /* of cw_closest; else NULL */
-    uint8_t *occluded;     /* of cw_occluded */
+    bool few;          /* trace_few instead of a kernel */
+    cw_hit *hits;      /* of cw_closest; else NULL */
+    uint8_t *occluded; /* of cw_occluded */
 } query_job;
 
 static void trace_piece(const query_job *q, const cw_ray *rays, size_t begin, size_t n) {
     cw_hit *const hits = q->hits ? q->hits + begin : NULL;
     uint8_t *const occluded = q->hits ? NULL : q->occluded + begin;
-    if (q->if_short) { /* two long rays take less time one after the other */
-        if (q->if_short(q->field, rays, n, hits, occluded)) return;
-        if (n == 2 && cw_one(q->field, rays, n, hits, occluded)) return;
+    if (q->few) {
+        trace_few(q->how.expert.isa, q->field, rays, n, hits, occluded);
+        return;
     }
     q->how.expert.kernel->code->trace[q->how.expert.leaf](q->field, rays, n, hits, occluded);
 }
@@ -69,12 +104,11 @@ static cw_status query(const cw_field *field, const cw_run *run, const cw_ray *r
     if (n > 0 && rays == NULL && user_rays == NULL) return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
     if (n > 0 && hits == NULL && occluded == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu rays", out_name, n);
-    if (run == NULL && n == 1 && rays != NULL) { /* all that one ray needs */
+    if (run == NULL && n - 1 < CW_FEW_RAYS && rays != NULL) { /* all that few rays need */
         const door_pass in = door_enter(&field->door);
         if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
         const fpenv caller = fpenv_enter();
-        if (!cw_one(field, rays, 1, hits, occluded))
-            cw_pyramid1.trace[CW_LEAF_WATERTIGHT](field, rays, 1, hits, occluded);
+        trace_few(cw_isa_best(), field, rays, n, hits, occluded);
         fpenv_leave(caller);
         door_leave(in);
         return CW_OK;
@@ -85,9 +119,7 @@ static cw_status query(const cw_field *field, const cw_run *run, const cw_ray *r
     const bool forced = q.how.expert.kernel != NULL;
     if (status == CW_OK) status = cw_run_settle(&q.how, n);
     if (status != CW_OK) return status;
-    q.if_short = NULL;
-    if (n <= CW_FEW_RAYS && !forced) /* short rays gain by a wider vector one ray later than others do */
-        q.if_short = (n > 2 ? cw_kernel_default(q.how.expert.isa, n - 1) : q.how.expert.kernel)->if_short;
+    q.few = n <= CW_FEW_RAYS && !forced;
     if (n < SHARED) q.how.pool = NULL;
     const door_pass in = door_enter(&q.field->door);
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);

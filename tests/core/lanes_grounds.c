@@ -51,7 +51,8 @@ size_t rays_over_cliff(const ground *g, cw_ray *rays, size_t most, random_state 
     const double edge = (double)(g->shape->nx / 2), across = (double)(g->shape->ny - 1);
     for (size_t k = 0; k < most; k++) {
         const double turn = random_between(r, -3, 3), fall = random_between(r, 0.02, 0.5);
-        rays[k] = (cw_ray){{(float)random_between(r, edge - 40, edge), (float)random_between(r, 0, across),
+        const double start = k % 8 > 0 ? edge : -2; /* some come from beside the field */
+        rays[k] = (cw_ray){{(float)random_between(r, start - 40, start), (float)random_between(r, 0, across),
                             (float)random_between(r, 0.5, 4)},
                            0,
                            {(float)cos(turn), (float)sin(turn), (float)-fall},

@@ -8,21 +8,21 @@
 #include <string.h>
 
 /* Code for registers of that many lanes, beside the walk. */
-#define OTHER(lanes, if_short) cw_heading##lanes, cw_to_field##lanes, NULL, if_short
+#define OTHER(lanes) cw_heading##lanes, cw_to_field##lanes, NULL
 
 /* From the plainest to the fastest: the last one available is the default. CELLWALK_KERNELS is KERNEL(set, lanes) for each row of
  * simd/isas.cmake but the scalar one. */
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, OTHER(1, NULL)},
+    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, OTHER(1)},
 #define KERNEL(set, lanes) \
-    {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, OTHER(lanes, NULL)},
+    {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, OTHER(lanes)},
     CELLWALK_KERNELS
 #undef KERNEL
-    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, OTHER(1, cw_one)},
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, OTHER(1)},
 #define KERNEL(set, lanes) \
     {"pyramid" #lanes, "bounds pyramid, " #lanes " lanes, single rays in pairs of " #lanes, \
-     CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, OTHER(lanes, cw_short##lanes)},
+     CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, OTHER(lanes)},
     CELLWALK_KERNELS
 #undef KERNEL
 };

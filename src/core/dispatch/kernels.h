@@ -14,6 +14,13 @@ typedef void cw_trace_fn(const cw_field *field, const cw_ray *rays, size_t n, cw
 /* The same for few rays, with the watertight test; false if another walk is better, and then answers are unspecified. */
 typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
+/* The walk of one ray over the pyramid: src/scalar/one.h. */
+struct strict_ray;
+struct one_find;
+typedef enum cw_one_end { CW_ONE_MISSES, CW_ONE_FOUND, CW_ONE_LONG } cw_one_end;
+typedef cw_one_end cw_one_fn(const cw_field *field, const struct strict_ray *ray, int32_t i, int32_t j, bool low,
+                             struct one_find *found);
+
 /* Samples i to i_end, j to j_end of a rectangle, without the ends: see heading.h. */
 struct cw_heading_job;
 typedef void cw_heading_fn(const struct cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end);
@@ -35,7 +42,6 @@ struct cw_kernel {
     cw_heading_fn *heading;
     cw_to_field_fn *to_field;
     cw_status (*build)(cw_field *field); /* makes the field's guest, if the bounds alone do not serve it */
-    cw_short_fn *if_short;               /* the first attempt for few rays, or NULL */
 };
 
 /* The kernel that cw_kernel_find returns for an unknown name. */
@@ -50,14 +56,18 @@ cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 /* Kernels of another library, which come before those of this one. Before the first other call, and once. */
 void cw_kernels_add(const cw_kernel *first, size_t count);
 
-/* src/scalar/cell.c and one.c */
+/* src/scalar/cell.c */
 extern const cw_kernel_code cw_cell;
-cw_short_fn cw_one;
+
+/* src/scalar/one.c: the same as a cw_short_fn of one ray after the other. */
+bool cw_one(const cw_field *field, cw_one_fn *walk, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
 /* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the instruction sets of simd/isas.cmake */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
 cw_short_fn cw_short4, cw_short8, cw_short16;
 extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
+
+cw_one_fn cw_one4, cw_one8, cw_one16; /* simd/one_kernel.c */
 
 /* simd/heading_kernel.c, simd/to_field_kernel.c */
 cw_heading_fn cw_heading1, cw_heading4, cw_heading8, cw_heading16;

@@ -5,9 +5,8 @@
 
 static const cw_kernel kernels[] = {
     {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, &cw_brute, cw_heading1,
-     cw_to_field1, NULL, NULL},
-    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, &cw_grid3d, cw_heading1, cw_to_field1, cw_grid3d_build,
-     NULL},
+     cw_to_field1, NULL},
+    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, &cw_grid3d, cw_heading1, cw_to_field1, cw_grid3d_build},
 };
 
 void cw_reference_add(void) { cw_kernels_add(kernels, sizeof kernels / sizeof kernels[0]); }

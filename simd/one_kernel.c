@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One ray over the pyramid, for calls of few rays. Lanes are places: the 16 children of a node, or the 16 cells of a block, are tested at
+ * once (children.h), by the gate's own operations. So a level costs one chain of operations and one branch that is hard to foretell.
+ *
+ * The walk opens a node: it finds the children that the ray meets. It goes down into the nearest, and up when none is left. If the ray begins
+ * near the ground, the walk begins at its block: mostly no node above need be opened, and those that must be do not depend on each other.
+ * Else it begins at the top.
+ *
+ * Invariant: at each level what the ray meets is opened from front to back, and all before the first node opened is behind the ray, so the
+ * first cell found is the first one hit. Rejected: slabs, which for one ray take longer than the nodes that they save. */
+
+#define INLINE_WATERTIGHT (W == 16) /* see pyramid_kernel.c */
+
+#include "../src/scalar/one.h"
+#include "children.h"
+#include "kernels.h"
+#include "pyramid.h"
+#include "vector_watertight.h"
+
+/* The ray in all lanes, mirrored so that it goes up along both axes, which no operation rounds differently. */
+typedef struct one_lanes {
+    vfloat center[2], inverse[2], from, until;
+    bool up_x, up_y;
+    float sign[2], shift[2]; /* a node's low corner in mirrored numbers of its children: sign · number - shift */
+} one_lanes;
+
+/* The children of a node in lanes k W and on. */
+typedef struct one_children {
+    vfloat x, y; /* low corners, mirrored */
+    vfloat x_in, y_in, x_out, y_out;
+} one_children;
+
+/* Of the children of node number n along an axis. Whole numbers, which nothing rounds; what depends on n comes last. */
+CW_INLINE vfloat low_corners(const one_lanes *a, int axis, int32_t n, const float *lanes, vfloat side) {
+    const vfloat first = vf_mul(vf_sub(vf_load(lanes), vf_set(a->shift[axis])), side);
+    return vf_fma(vf_set((float)(4 * n)), vf_mul(vf_set(a->sign[axis]), side), first);
+}
+
+CW_INLINE one_children children_of(const one_lanes *a, int32_t x, int32_t y, float side, size_t k) {
+    one_children c;
+    const vfloat s = vf_set(side);
+    c.x = low_corners(a, 0, x, lane_x[a->up_x] + k * W, s);
+    c.y = low_corners(a, 1, y, lane_y + k * W, s);
+    c.x_in = vf_mul(vf_sub(c.x, a->center[0]), a->inverse[0]);
+    c.y_in = vf_mul(vf_sub(c.y, a->center[1]), a->inverse[1]);
+    c.x_out = vf_mul(vf_sub(vf_add(c.x, s), a->center[0]), a->inverse[0]);
+    c.y_out = vf_mul(vf_sub(vf_add(c.y, s), a->center[1]), a->inverse[1]);
+    return c;
+}
+
+/* The children of node (x, y) that the ray meets. */
+CW_INLINE unsigned open_node(const one_lanes *a, const vray *r, const cw_pyramid_level *l, int32_t x, int32_t y) {
+    const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
+    const float *row = first_row(a->up_y, brick, 4);
+    const ptrdiff_t step = row_step(a->up_y, 4);
+    unsigned mask = 0;
+    for (size_t k = 0; k < CHILD_VECTORS; k++) {
+        const one_children c = children_of(a, x, y, l->side, k);
+        const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), a->from), t1 = vf_min(vf_min(c.x_out, c.y_out), a->until);
+        const vmask m = meets(r, t0, t1, vf_load_block(row, step, k), vf_load_block(row + 16, step, k));
+        mask |= vm_bits(vm_and(vf_le(t0, t1), m)) << (k * W);
+    }
+    return in_walk_order(mask, a->up_x);
+}
+
+/* Tests the cells of block (x, y). */
+static inline bool test_block(const one_lanes *a, const vray *r, const cw_field *f, int32_t x, int32_t y,
+                              one_find *found) {
+    block_samples s;
+    load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
+    const float *row = first_row(a->up_y, s.z, s.stride);
+    const ptrdiff_t step = row_step(a->up_y, s.stride);
+    for (size_t k = 0; k < CHILD_VECTORS; k++) {
+        const one_children at = children_of(a, x, y, 1, k);
+        vcell c;
+        c.x_in = at.x_in, c.y_in = at.y_in, c.x_out = at.x_out, c.y_out = at.y_out;
+        c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
+        c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
+        c.h00 = vf_load_block(row, step, k);
+        c.h10 = vf_load_block(row + 1, step, k);
+        c.h01 = vf_load_block(row + s.stride, step, k);
+        c.h11 = vf_load_block(row + s.stride + 1, step, k);
+        const vmask gate = cell_gate(r, &c);
+        if (!vm_any(gate)) continue;
+        /* Low corners in the field: the mirrored high ones with the other sign. */
+        const vfloat one = vf_set(1);
+        c.i = a->up_x ? at.x : vf_sub(vf_sub(vf_set(0), at.x), one);
+        c.j = a->up_y ? at.y : vf_sub(vf_sub(vf_set(0), at.y), one);
+        vfind find;
+        const unsigned hits = in_walk_order(vm_bits(wt_cell(r, &c, gate, &find)), a->up_x);
+        if (hits == 0) continue;
+        const int lane = __builtin_ctz(hits) ^ flip(a->up_x), place = lane + (int)k * W;
+        found->t0 = vf_lane(&find.t0, (unsigned)lane);
+        found->t1 = vf_lane(&find.t1, (unsigned)lane);
+        found->b = vm_bits(find.b) >> lane & 1;
+        found->i = 4 * x + (place & 3);
+        found->j = 4 * y + ((place >> 2) ^ flip(a->up_y));
+        return true;
+    }
+    return false;
+}
+
+static inline void spread_axis(vaxis *v, const strict_axis *a) {
+    v->org = vf_set(a->org);
+    v->dir = vf_set(a->dir);
+    v->up = vm_set(a->step > 0);
+}
+
+/* cw_one4, cw_one8 or cw_one16. */
+cw_one_end CW_CODE(one)(const cw_field *f, const strict_ray *ray, int32_t i, int32_t j, bool low, one_find *found) {
+    const struct cw_pyramid *p = f->pyramid;
+    vray r;
+    spread_axis(&r.x, &ray->x);
+    spread_axis(&r.y, &ray->y);
+    r.oz = vf_set(ray->oz);
+    r.dz = vf_set(ray->dz);
+    r.t0 = vf_set(ray->t0);
+    r.t1 = vf_set(ray->t1);
+    one_lanes a;
+    a.up_x = ray->x.step > 0;
+    a.up_y = ray->y.step > 0;
+    const int flip_x = flip(a.up_x), flip_y = flip(a.up_y);
+    const strict_axis *const axis[2] = {&ray->x, &ray->y};
+    for (int c = 0; c < 2; c++) {
+        a.sign[c] = (float)axis[c]->step;
+        a.shift[c] = 2 - 2 * a.sign[c];
+        a.center[c] = vf_set(a.sign[c] * axis[c]->center);
+        a.inverse[c] = vf_set(fabsf(axis[c]->inverse));
+    }
+    a.from = vf_set(ray->from);
+    a.until = vf_set(ray->until);
+    unsigned mask = 0, done = 0, todo[PYRAMID_LEVELS_MAX];
+    int level = p->levels - 1, left = ONE_OPENS; /* -1: cells */
+    int32_t x = 0, y = 0;
+    if (low) level = -1, x = i >> 2, y = j >> 2;
+    int top = level;
+    for (;;) {
+        if (level < 0) {
+            if (test_block(&a, &r, f, x, y, found)) return CW_ONE_FOUND;
+            mask = 0;
+        } else {
+            mask = open_node(&a, &r, &p->level[level], x, y) & ~done;
+            done = 0;
+        }
+        while (mask == 0) {
+            if (++level == p->levels) return CW_ONE_MISSES;
+            const int own = ((y & 3) ^ flip_y) << 2 | ((x & 3) ^ flip_x);
+            x >>= 2;
+            y >>= 2;
+            if (level > top) {
+                top = level;
+                done = 1u << own;
+                break;
+            }
+            mask = todo[level];
+        }
+        if (mask == 0) continue;
+        if (--left < 0) return CW_ONE_LONG;
+        const int32_t place = __builtin_ctz(mask);
+        todo[level--] = mask & (mask - 1);
+        x = 4 * x + ((place & 3) ^ flip_x);
+        y = 4 * y + ((place >> 2) ^ flip_y);
+    }
+}
