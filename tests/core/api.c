@@ -98,18 +98,6 @@ static void test_heights_that_are_too_large(void **state) {
     }
 }
 
-/* A description that names samples and sides alone is one in field space. */
-static void test_descriptions_filled_in_by_hand(void **state) {
-    (void)state;
-    static const float z[4] = {0, 1, 2, 3};
-    cw_field *f = field_of(z, 2, 2);
-    const cw_hit hit = {.t = 1, .u = 0.5f, .triangle = CW_TRIANGLE_B};
-    double point[3];
-    cw_hit_points(f, NULL, &hit, 1, point);
-    check(point[0] == 0.5 && point[1] == 0.5 && point[2] == 1.5, "at (%g, %g, %g)", point[0], point[1], point[2]);
-    cw_field_destroy(f);
-}
-
 static void test_pool_sizes(void **state) {
     (void)state;
     static const unsigned sizes[] = {CW_THREADS_MAX + 1, 4000000000, UINT32_MAX};
@@ -195,6 +183,13 @@ static void test_bad_queries(void **state) {
     check(built > bounds && bounds > 0, "a build of no bytes");
     check_status(cw_field_build(f, &(cw_run){.expert.kernel = q.expert.kernel}), CW_OK);
     assert_int_equal(cw_field_describe(f).bytes_built, built);
+    check_status(cw_closest(f, &q, rays, 1, hits), CW_OK);
+    memset(hits, 0x5a, sizeof hits);
+    /* An update drops what it does not keep up to date. */
+    const cw_update one = {.at = {1, 1, 1, 1}, .samples = shape.z};
+    check_status(cw_field_update(f, NULL, &one), CW_OK);
+    check_status(cw_closest(f, &q, rays, 2, hits), CW_ERROR_NOT_BUILT);
+    assert_int_equal(cw_field_describe(f).bytes_built, bounds);
     cw_field_destroy(f);
     cw_field_destroy(NULL);
 
@@ -381,7 +376,6 @@ int main(void) {
         cmocka_unit_test(test_bad_fields),
         cmocka_unit_test(test_bad_maps),
         cmocka_unit_test(test_heights_that_are_too_large),
-        cmocka_unit_test(test_descriptions_filled_in_by_hand),
         cmocka_unit_test(test_pool_sizes),
         cmocka_unit_test(test_holes_in_borrowed_samples),
         cmocka_unit_test(test_holes_are_counted),

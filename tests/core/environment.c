@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What surrounds a query must not change its result: the caller's floating-point environment, the number of threads,
- * other queries at the same time. */
+/* The caller's floating-point environment must not change a query's result. pool.c has threads and other queries. */
 
 #include "case.h"
 #include "cellwalk_expert.h"
@@ -8,7 +7,6 @@
 #include "fp_register.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -134,62 +132,11 @@ static void test_spaces_under_other_rounding(void **state) {
     }
 }
 
-static void test_pools(void **state) {
-    (void)state;
-    check_status(cw_pool_create(1, NULL), CW_ERROR_ARGUMENT);
-    cw_pool_destroy(NULL);
-    for (unsigned threads = 0; threads <= 7; threads++) {
-        cw_pool *pool;
-        check_status(cw_pool_create(threads, &pool), CW_OK);
-        check(threads ? cw_pool_threads(pool) == threads : cw_pool_threads(pool) >= 1, "threads of the pool");
-        const cw_run q = {.pool = pool};
-        for (size_t n = count; n > 0; n /= 3) { /* down to lengths below what a thread takes at a time */
-            memset(got, 0, sizeof got);
-            check_status(cw_closest(field, &q, rays, n, got), CW_OK);
-            check(same(got, expected, n), "%u threads, %zu rays: other hits", threads, n);
-            static uint8_t occluded[RAYS];
-            check_status(cw_occluded(field, &q, rays, n, occluded), CW_OK);
-            for (size_t k = 0; k < n; k++) check(occluded[k] == (expected[k].i >= 0), "%u threads: any hit", threads);
-        }
-        check_status(cw_closest(field, &q, NULL, 0, NULL), CW_OK);
-        cw_pool_destroy(pool);
-    }
-}
-
-typedef struct worker {
-    pthread_t thread;
-    cw_hit hits[RAYS];
-    bool equal;
-} worker;
-
-static void *query_again(void *argument) {
-    worker *w = argument;
-    w->equal = true;
-    for (int turn = 0; turn < 5; turn++) {
-        if (cw_closest(field, NULL, rays, count, w->hits) != CW_OK) w->equal = false;
-        if (!same(w->hits, expected, count)) w->equal = false;
-        memset(w->hits, 0, sizeof w->hits);
-    }
-    return NULL;
-}
-
-static void test_queries_at_once(void **state) {
-    (void)state;
-    enum { WORKERS = 4 };
-    static worker workers[WORKERS];
-    for (int k = 0; k < WORKERS; k++)
-        assert_int_equal(pthread_create(&workers[k].thread, NULL, query_again, &workers[k]), 0);
-    for (int k = 0; k < WORKERS; k++) pthread_join(workers[k].thread, NULL);
-    for (int k = 0; k < WORKERS; k++) check(workers[k].equal, "thread %d found other hits", k);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_caller_environment),
         cmocka_unit_test(test_field_made_under_daz),
         cmocka_unit_test(test_spaces_under_other_rounding),
-        cmocka_unit_test(test_pools),
-        cmocka_unit_test(test_queries_at_once),
     };
     return cmocka_run_group_tests_name("environment", tests, set_up, case_end);
 }

@@ -336,18 +336,6 @@ static void places_along_the_fields_up(void **state) {
     }
 }
 
-/* What a later version would mean by more is refused, whatever it is. */
-static void strangers_are_refused(void **state) {
-    (void)state;
-    for (size_t k = 0; k < 4; k++) {
-        cw_run q = (cw_run){0};
-        q.reserved[k] = (uint64_t)1 << 63;
-        check_status(cw_closest(field, &q, rays, 1, got), CW_ERROR_ARGUMENT);
-        check_status(cw_occluded(field, &q, rays, 1, occluded), CW_ERROR_ARGUMENT);
-        check_status(cw_closest_user(field, &q, user_rays, 1, got), CW_ERROR_ARGUMENT);
-    }
-}
-
 /* Structs that the library fills: an older program gets the members that it knows, a newer one zeros for the others. */
 static void filled_structs_grow(void **state) {
     (void)state;
@@ -438,7 +426,6 @@ int main(void) {
         cmocka_unit_test(hits_by_the_array),
         cmocka_unit_test(places_along_the_fields_up),
         cmocka_unit_test(places_on_the_surface),
-        cmocka_unit_test(strangers_are_refused),
         cmocka_unit_test(filled_structs_grow),
         cmocka_unit_test(errors_say_what_was_wrong),
         cmocka_unit_test(memory_is_the_callers),

@@ -29,12 +29,13 @@ typedef struct caller {
     pthread_t thread;
 } caller;
 
-/* Each with another part of the rays, so that an answer from another's job shows. */
+/* Each with another part of the rays, so that an answer from another's job shows; every fourth time with fewer, down to less than what
+ * a thread takes at a time. */
 static void *ask(void *argument) {
     caller *c = argument;
     const cw_run query = {.pool = c->pool};
     for (size_t k = 0; k < c->rounds; k++) {
-        const size_t first = (c->number * 997 + k * 131) % (RAYS / 2), n = RAYS / 2;
+        const size_t first = (c->number * 997 + k * 131) % (RAYS / 2), n = RAYS / 2 >> (k % 4 == 3 ? k / 4 % 14 : 0);
         if (cw_closest(field, &query, rays + first, n, got[c->number]) != CW_OK ||
             cw_occluded(field, &query, rays + first, n, occluded[c->number]) != CW_OK)
             c->wrong++;
@@ -45,20 +46,30 @@ static void *ask(void *argument) {
     return NULL;
 }
 
-static void callers_at_once(void **state) {
-    (void)state;
+static void ask_at_once(cw_pool *pool, size_t rounds) {
     caller callers[CALLERS] = {{0}};
-    cw_pool *pool;
-    check_status(cw_pool_create(THREADS, &pool), CW_OK);
     for (size_t k = 0; k < CALLERS; k++) {
-        callers[k] = (caller){.pool = pool, .number = k, .rounds = test_share(200, 1)};
+        callers[k] = (caller){.pool = pool, .number = k, .rounds = rounds};
         assert_int_equal(pthread_create(&callers[k].thread, NULL, ask, &callers[k]), 0);
     }
     for (size_t k = 0; k < CALLERS; k++) {
         assert_int_equal(pthread_join(callers[k].thread, NULL), 0);
-        check(callers[k].wrong == 0, "caller %zu: %zu wrong answers", k, callers[k].wrong);
+        check(callers[k].wrong == 0, "caller %zu on %u threads: %zu wrong answers", k, cw_pool_threads(pool),
+              callers[k].wrong);
     }
-    cw_pool_destroy(pool);
+}
+
+static void callers_at_once(void **state) {
+    (void)state;
+    const size_t rounds = test_share(200, 1);
+    ask_at_once(NULL, 1 + rounds / 40);
+    for (unsigned threads = 1; threads <= 7; threads++) {
+        cw_pool *pool;
+        check_status(cw_pool_create(threads, &pool), CW_OK);
+        assert_int_equal(cw_pool_threads(pool), threads);
+        ask_at_once(pool, threads == THREADS ? rounds : 1 + rounds / 40);
+        cw_pool_destroy(pool);
+    }
 }
 
 /* Work that asks the pool which it runs on. */

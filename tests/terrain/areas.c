@@ -279,8 +279,20 @@ static void wrong_calls_are_told(void **state) {
     WRONG(cw_viewshed(land, NULL, &o, all, &(cw_view){.angle = to}), "x, y", "no ground");
     o = from, o.x = 1e12;
     WRONG(cw_viewshed(land, NULL, &o, all, &(cw_view){.angle = to}), "x, y", "too far");
-    o = from, o.limits = CW_OBSERVER_VERTICALS, o.verticals[0] = -91;
-    WRONG(cw_viewshed(land, NULL, &o, all, &(cw_view){.angle = to}), "verticals", "out of range");
+    const struct {
+        uint32_t limits;
+        double nearest, farthest, azimuth, verticals[2];
+    } wrong[] = {{.nearest = -1},
+                 {.farthest = NAN},
+                 {CW_OBSERVER_AZIMUTHS, .azimuth = INFINITY},
+                 {CW_OBSERVER_VERTICALS, .verticals = {1, 0}},
+                 {CW_OBSERVER_VERTICALS, .verticals = {-91, 0}}};
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        o = from, o.limits = wrong[k].limits, o.nearest = wrong[k].nearest, o.farthest = wrong[k].farthest;
+        o.azimuths[1] = wrong[k].azimuth, o.verticals[0] = wrong[k].verticals[0],
+        o.verticals[1] = wrong[k].verticals[1];
+        WRONG(cw_viewshed(land, NULL, &o, all, &(cw_view){.angle = to}), "nearest", "verticals", "out of range");
+    }
     WRONG(cw_viewshed(land, NULL, &from, all, &(cw_view){.angle = to, .weight = NAN}), "weight", "nan");
     WRONG(cw_lines_of_sight(land, NULL, -1, NULL, 0, NULL), "curvature", "-1", "1e+09");
     WRONG(cw_lines_of_sight(land, NULL, 0, NULL, 1, NULL), "lines", "NULL");
@@ -291,6 +303,9 @@ static void wrong_calls_are_told(void **state) {
     WRONG(cw_visibility(land, NULL, &(cw_visibility_desc){0}, all, NULL), "answers", "NULL");
     WRONG(cw_field_coarser(field, NULL, 1, 0, &coarser, NULL, 0), "factor", "1", "2");
     WRONG(cw_field_coarser(field, NULL, 2, 3, &coarser, NULL, 0), "filter", "3", "2");
+    WRONG(cw_field_coarser(field, NULL, (size_t)CW_SIDE_MAX + 1, 0, &coarser, NULL, 0), "factor", "8388609");
+    WRONG(cw_field_coarser(field, &(cw_run){.reserved = {1}}, 2, 0, &coarser, NULL, 0), "cw_run");
+    assert_null(coarser);
     /* Nothing to do is no error. */
     check_status(cw_lines_of_sight(land, NULL, 0, NULL, 0, NULL), CW_OK);
     check_status(cw_shadow(land, NULL, &(cw_light){0}, (cw_area){{3, 3, 0, 2}, 0}, NULL), CW_OK);

@@ -369,25 +369,12 @@ static void test_map(void **state) {
     cw_field_destroy(full);
 }
 
-static void test_misuse(void **state) {
-    (void)state;
-    const float z[4] = {0};
-    cw_field *full, *coarser;
-    cw_run odd = {.reserved = {1}};
-    check_status(cw_field_create(&(cw_field_desc){.samples = z, .nx = 2, .ny = 2}, NULL, &full), CW_OK);
-    check_status(cw_field_coarser(full, NULL, 1, CW_FILTER_MEAN, &coarser, NULL, 0), CW_ERROR_ARGUMENT);
-    check_status(cw_field_coarser(full, NULL, (size_t)CW_SIDE_MAX + 1, CW_FILTER_MEAN, &coarser, NULL, 0),
-                 CW_ERROR_ARGUMENT);
-    check_status(cw_field_coarser(full, NULL, 2, 3, &coarser, NULL, 0), CW_ERROR_ARGUMENT);
-    check_status(cw_field_coarser(full, &odd, 2, CW_FILTER_MEAN, &coarser, NULL, 0), CW_ERROR_ARGUMENT);
-    assert_null(coarser);
-    cw_field_destroy(full);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_definitions), cmocka_unit_test(test_threads), cmocka_unit_test(test_watch),
-        cmocka_unit_test(test_map),         cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_definitions),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_watch),
+        cmocka_unit_test(test_map),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

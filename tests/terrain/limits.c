@@ -172,17 +172,6 @@ static void ends_of_limits(void **state) {
             check(seen[k] == wanted[cases[c].number], "case %zu: (%ld, %ld) is %sseen", c, x, y, seen[k] ? "" : "not ");
         }
     }
-    /* Numbers that are no limits. */
-    static const sight_limits wrong[] = {{.nearest = -1},
-                                         {.farthest = NAN},
-                                         {.has_sector = true, .azimuths = {0, INFINITY}},
-                                         {.has_verticals = true, .verticals = {1, 0}},
-                                         {.has_verticals = true, .verticals = {-91, 0}}};
-    for (size_t c = 0; c < sizeof wrong / sizeof *wrong; c++) {
-        viewshed *v;
-        const viewshed_desc d = {.place = {e.x, e.y}, .height = e.height, .absolute = true, .limits = wrong[c]};
-        check_status(cw_viewshed_create(&g.terrain, g.bounds, &d, &v), CW_ERROR_ARGUMENT);
-    }
     ground_free(&g);
 }
 
