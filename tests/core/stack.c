@@ -144,7 +144,7 @@ static void ask_in_all_ways(const char *name, const cw_run *how, size_t limit_of
         for (int way = 0; way < 4 * KINDS; way++) {
             query q = {.run = *how, .n = counts[c], .kind = way / 4, .user = way & 1, .any = way & 2};
             for (int round = 0; round < (q.n <= FEW ? 3 : 1); round++, q.first += FEW)
-                if (test_takes(number++, 8)) keeps_to(q.n <= FEW ? limit_of_few : STACK_FOR_ALL, name, q.n, ask, &q);
+                if (test_takes(number++, 16)) keeps_to(q.n <= FEW ? limit_of_few : STACK_FOR_ALL, name, q.n, ask, &q);
         }
 }
 

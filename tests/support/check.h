@@ -63,12 +63,14 @@ static inline size_t test_share(size_t n, size_t least) {
 /* Of things that are too few for that, and unlike each other, one in so many is taken, but no fewer than one in most. */
 static inline size_t test_step(size_t most) { return test_divisor() < most ? test_divisor() : most; }
 
-/* Whether case k is one of those. CELLWALK_TEST_TURN says which these are: a number, which .ci/run takes from the commit, so that
- * in time each is taken. */
-static inline bool test_takes(size_t k, size_t most) {
+/* CELLWALK_TEST_TURN says which these are: a number, which .ci/run takes from the commit, so that in time each is taken. */
+static inline size_t test_turn(void) {
     const char *text = getenv("CELLWALK_TEST_TURN");
-    return (k + (text ? strtoul(text, NULL, 10) : 0)) % test_step(most) == 0;
+    return text ? strtoul(text, NULL, 10) : 0;
 }
+
+/* Whether case k is one of those. */
+static inline bool test_takes(size_t k, size_t most) { return (k + test_turn()) % test_step(most) == 0; }
 
 static inline void check_status(cw_status got, cw_status wanted) {
     check(got == wanted, "status \"%s\" instead of \"%s\"", cw_status_message(got), cw_status_message(wanted));

@@ -160,7 +160,7 @@ static void parts_have_the_bits_of_the_whole(void **state) {
                 run.expert.kernel = cw_kernel_find(kernels[k]);
                 check(cw_kernel_exists(run.expert.kernel) || k > 1, "there is no kernel %s", kernels[k]);
                 for (size_t n = 0; n < 4 && cw_kernel_describe(run.expert.kernel).available; n++)
-                    check_part(p, &run, parts[n], whole, kernels[k]);
+                    if (test_takes(n + k + p, 4)) check_part(p, &run, parts[n], whole, kernels[k]);
             }
         }
         destroy();
