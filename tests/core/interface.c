@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is built on the queries: rays in user space, the caller's own threads, a watch, many hits at once, places on the
+/* What is built on the queries: rays in user space, the caller's own threads, many hits at once, places on the
  * surface. Each gives what the plain functions give. */
 
 #include "cellwalk_expert.h"
@@ -191,49 +191,6 @@ static void threads_of_the_caller(void **state) {
     assert_null(pool);
 }
 
-/* ---- a watch ------------------------------------------------------------------------------------------------------ */
-
-typedef struct watch {
-    double first, last, stop_at;
-    unsigned calls, wrong;
-    atomic_int inside;
-} watch;
-
-static bool look(void *context, double done) {
-    watch *w = context;
-    w->wrong += atomic_fetch_add(&w->inside, 1) != 0 || !(done > w->last && done <= 1);
-    if (w->calls++ == 0) w->first = done;
-    w->last = done;
-    atomic_fetch_sub(&w->inside, 1);
-    return done < w->stop_at;
-}
-
-static void queries_are_watched(void **state) {
-    (void)state;
-    cw_pool *pool;
-    check_status(cw_pool_create(3, &pool), CW_OK);
-    for (int shared = 0; shared < 2; shared++)
-        for (int user = 0; user < 2; user++) {
-            watch w = {.stop_at = 2};
-            const cw_run q = {.pool = shared ? pool : NULL, .watch = look, .watch_context = &w};
-            memset(got, 0, sizeof got);
-            check_status(user ? cw_closest_user(field, &q, user_rays, RAYS, got)
-                              : cw_closest(field, &q, rays, RAYS, got),
-                         CW_OK);
-            check_hits(RAYS, "watched");
-            check(w.last == 1 && w.calls > 1 && w.wrong == 0, "%u calls, %u wrong, up to %g", w.calls, w.wrong, w.last);
-            /* Rays may be slow, so the first piece is small. */
-            check(shared || w.first <= 64.0 / RAYS, "the watch is called after %g of the rays", w.first);
-
-            w = (watch){.stop_at = 0.3};
-            check_status(user ? cw_occluded_user(field, &q, user_rays, RAYS, occluded)
-                              : cw_occluded(field, &q, rays, RAYS, occluded),
-                         CW_ERROR_CANCELLED);
-            check(w.last < 0.7 && w.wrong == 0, "went on to %g", w.last);
-        }
-    cw_pool_destroy(pool);
-}
-
 /* ---- hits --------------------------------------------------------------------------------------------------------- */
 
 static double many[RAYS][3];
@@ -246,18 +203,14 @@ static void hits_by_the_array(void **state) {
     check_status(cw_pool_create(2, &pool), CW_OK);
     for (size_t kind = 0; kind < 3; kind++)
         for (int shared = 0; shared < 2; shared++) {
-            watch w = {.stop_at = 2};
-            cw_run how = {.pool = shared ? pool : NULL, .watch = look, .watch_context = &w};
+            const cw_run how = {.pool = shared ? pool : NULL};
             check_status(kinds[kind](field, &how, expected, RAYS, many[0]), CW_OK);
-            check(w.last == 1 && w.calls > 1 && w.wrong == 0, "%u calls, %u wrong, up to %g", w.calls, w.wrong, w.last);
             for (size_t k = 0; k < RAYS; k++) {
                 double v[3];
                 check_status(kinds[kind](field, NULL, &expected[k], 1, v), CW_OK);
                 check(memcmp(v, many[k], sizeof v) == 0 || (isnan(v[0]) && isnan(many[k][0])), "kind %zu, hit %zu",
                       kind, k);
             }
-            w = (watch){.stop_at = 0.3};
-            check_status(kinds[kind](field, &how, expected, RAYS, many[0]), CW_ERROR_CANCELLED);
         }
     cw_pool_destroy(pool);
 }
@@ -422,7 +375,6 @@ int main(void) {
         cmocka_unit_test(precision_that_arrives),
         cmocka_unit_test(rays_in_user_space),
         cmocka_unit_test(threads_of_the_caller),
-        cmocka_unit_test(queries_are_watched),
         cmocka_unit_test(hits_by_the_array),
         cmocka_unit_test(places_along_the_fields_up),
         cmocka_unit_test(places_on_the_surface),

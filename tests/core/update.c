@@ -388,47 +388,6 @@ static void who_comes_second_is_turned_away(void **state) {
     free(p.z);
 }
 
-/* ---- watched --------------------------------------------------------------------------------------------------------- */
-
-typedef struct observer {
-    double last;
-    unsigned calls, stop_at;
-    bool backwards;
-} observer;
-
-static bool observe(void *context, double done) {
-    observer *o = context;
-    o->backwards = o->backwards || done < o->last || done > 1;
-    o->last = done;
-    return ++o->calls != o->stop_at;
-}
-
-static void making_is_watched(void **state) {
-    (void)state;
-    random_state r = {7};
-    const place p = make_place(8, LAND, &r);
-    cw_pool *pool;
-    check_status(cw_pool_create(3, &pool), CW_OK);
-    for (int way = 0; way < 2; way++) {
-        observer o = {0};
-        cw_field_desc d = {.samples = p.z, .nx = p.nx, .ny = p.ny, .stride = p.stride};
-        d.storage = way & 1 ? CW_COPY : CW_BORROW;
-        const cw_run how = {.pool = pool, .watch = observe, .watch_context = &o};
-        cw_field *f;
-        check_status(cw_field_create(&d, &how, &f), CW_OK);
-        check(o.calls > 3 && !o.backwards && o.last == 1, "way %d: %u calls, the last at %g", way, o.calls, o.last);
-        cw_field_destroy(f);
-        const unsigned calls = o.calls;
-        for (unsigned k = 1; k < calls; k += 1 + calls / 10) {
-            o = (observer){.stop_at = k};
-            check_status(cw_field_create(&d, &how, &f), CW_ERROR_CANCELLED);
-            assert_null(f);
-        }
-    }
-    cw_pool_destroy(pool);
-    free(p.z);
-}
-
 /* Of several samples that are refused the first counts, for any number of threads. */
 static void refusals_do_not_depend_on_threads(void **state) {
     (void)state;
@@ -458,13 +417,9 @@ static void refusals_do_not_depend_on_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(bounds_are_exact),
-        cmocka_unit_test(updates_give_what_is_made_anew),
-        cmocka_unit_test(what_is_refused_changes_nothing),
-        cmocka_unit_test(who_comes_second_is_turned_away),
-        cmocka_unit_test(making_is_watched),
-        cmocka_unit_test(refusals_do_not_depend_on_threads),
+        cmocka_unit_test(threads_change_nothing),          cmocka_unit_test(bounds_are_exact),
+        cmocka_unit_test(updates_give_what_is_made_anew),  cmocka_unit_test(what_is_refused_changes_nothing),
+        cmocka_unit_test(who_comes_second_is_turned_away), cmocka_unit_test(refusals_do_not_depend_on_threads),
     };
     alarm(LIMIT_SECONDS);
     return cmocka_run_group_tests(tests, NULL, NULL);

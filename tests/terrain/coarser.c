@@ -317,35 +317,6 @@ static void test_threads(void **state) {
     cw_field_destroy(full);
 }
 
-typedef struct watching {
-    size_t calls, stop;
-    double last;
-} watching;
-static bool watch(void *context, double done) {
-    watching *w = context;
-    check(done > w->last - 1e-9 && done <= 1 + 1e-9, "the watch is told %g after %g", done, w->last);
-    w->last = done;
-    return ++w->calls != w->stop;
-}
-
-static void test_watch(void **state) {
-    (void)state;
-    cw_field *full = make_large(), *coarser;
-    cw_difference d;
-    watching w = {0};
-    cw_run run = {.watch = watch, .watch_context = &w};
-    check_status(cw_field_coarser(full, &run, 2, CW_FILTER_MEAN, &coarser, &d, sizeof(cw_difference)), CW_OK);
-    check(fabs(w.last - 1) < 1e-9 && w.calls > 2, "told %zu times, last %g", w.calls, w.last);
-    cw_field_destroy(coarser);
-    for (size_t stop = w.calls; stop > 0; stop--) {
-        w = (watching){.stop = stop};
-        check_status(cw_field_coarser(full, &run, 2, CW_FILTER_MEAN, &coarser, &d, sizeof(cw_difference)),
-                     CW_ERROR_CANCELLED);
-        assert_null(coarser);
-    }
-    cw_field_destroy(full);
-}
-
 /* A place has the same user coordinates in both, and an update finds a field that owns its samples. */
 static void test_map(void **state) {
     (void)state;
@@ -373,7 +344,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_definitions),
         cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_watch),
+
         cmocka_unit_test(test_map),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
