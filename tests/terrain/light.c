@@ -146,7 +146,7 @@ static void shadow_agrees_with_horizon_and_rays(void **state) {
         const double azimuth = n % 4 ? random_between(&r, 0, 360) : 45 * (double)(n / 4),
                      altitude = n % 7 ? random_between(&r, 1, 40) : random_between(&r, -1.5, 0),
                      curvature = n % 5 == 1 && altitude > 0 ? 3000 : 0;
-        if (!test_takes(n, 4)) continue;
+        if (!test_takes(n, 15)) continue;
         ground g;
         make_any(&g, n, &r);
         const cw_light light = {.azimuth = azimuth, .altitude = altitude, .curvature = curvature};
@@ -170,7 +170,7 @@ static void shadow_agrees_with_horizon_and_rays(void **state) {
         }
         ground_free(&g);
     }
-    check(shadows > 1000 && (nights > 0 || test_divisor() > 1), "%zu shadows, %zu lit by night", shadows, nights);
+    check(shadows > 100 && (nights > 0 || test_divisor() > 1), "%zu shadows, %zu lit by night", shadows, nights);
 }
 
 /* A sample away from the border, and the line from it in a direction of the horizon, out of the terrain. */
