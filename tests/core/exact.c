@@ -179,7 +179,8 @@ static void test_small_fields(int which) {
     rims = thirds = 0;
     f.nx = size.nx;
     f.ny = size.ny;
-    for (size_t number = test_turn() % step; number < all_fields; number += step, fields++) {
+    for (size_t number = test_turn() % (step < all_fields ? step : all_fields); number < all_fields;
+         number += step, fields++) {
         size_t rest = number;
         for (size_t k = 0; k < size.nx * size.ny; k++, rest /= base) f.z[k] = heights[rest % base];
         const bool all = fields < 256 || fields % 16 == 0; /* they take as long as the oracle */
@@ -201,8 +202,8 @@ static void test_small_fields(int which) {
             size.nx, size.ny, base == 4 ? "0, 1, 2, hole" : "0, 1, 2", fields, all_fields, t->rays, t->hits, t->passes,
             v[VERDICT_RIGHT], v[VERDICT_TIE], rims, thirds, v[VERDICT_LEAK], v[VERDICT_PHANTOM],
             v[VERDICT_WRONG_SURFACE], counts.answers);
-    check(t->hits > t->rays / 50, "too few hits for the test to mean anything");
-    check(counts.answers > t->rays / fields, "no kernel was compared with the one that was judged");
+    check(t->hits > t->rays / 50 || fields < 16, "too few hits for the test to mean anything");
+    check(counts.answers > t->rays / fields || fields < 16, "no kernel was compared with the one that was judged");
 }
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
