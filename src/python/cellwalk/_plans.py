@@ -180,10 +180,10 @@ def insolation(site: Site, date, to, step, directions, irradiance, linke, sky, l
     seconds = _step(step)
     how = {"hours": seconds / 3600, "linke": finite(linke, "linke", 1, 10), "sky": count(sky, "sky", 1, 3600),
            "directions": 0 if directions is None else count(directions, "directions", 8, 3600),
-           "curvature": finite(curvature, "curvature", 0)}
+           "curvature": finite(curvature, "curvature", 0), "energy": bool(irradiance)}
     if suns is not None:
         about = {"long_name": f"weights of the suns {'on the ground' if irradiance else 'that are seen'}"}
-        return Plan("irradiance" if irradiance else "hours", how, "sunlight", about, inputs=suns_of(suns, date, to))
+        return Plan("insolation", how, "sunlight", about, inputs=suns_of(suns, date, to))
     first, days = _span(date, to)
     place = locate(site, "date") if lon_lat is None else (*_lon_lat(lon_lat), 0.0)
     steps = round(days * 86400 / seconds)
@@ -193,9 +193,9 @@ def insolation(site: Site, date, to, step, directions, irradiance, linke, sky, l
     midnight = first - place[0] / 360 * 86400
     places = suns_at(midnight + (np.arange(steps) + 0.5) * seconds, *place)
     if irradiance:
-        return Plan("irradiance", how, "irradiance", {"long_name": "energy of sunlight on the ground", "units": "Wh m-2"},
+        return Plan("insolation", how, "irradiance", {"long_name": "energy of sunlight on the ground", "units": "Wh m-2"},
                     lead=("light", ["direct", "diffuse"]), inputs=(places,))
-    return Plan("hours", how, "sunlight_hours", {"long_name": "hours of direct sunlight", "units": "h"}, inputs=(places,))
+    return Plan("insolation", how, "sunlight_hours", {"long_name": "hours of direct sunlight", "units": "h"}, inputs=(places,))
 
 
 def lowest_suns(plan: Plan) -> np.ndarray:

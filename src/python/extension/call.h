@@ -36,11 +36,11 @@ static inline double northward(const py_field *f, double y) {
 /* clang-format off */
 #define CALL_NUMBERS(NUMBER) \
     NUMBER(altitude) NUMBER(azimuth) NUMBER(azimuth_until) NUMBER(bands) NUMBER(below) NUMBER(curvature) NUMBER(days) \
-    NUMBER(directions) NUMBER(disc) NUMBER(every) NUMBER(facing) NUMBER(factor) NUMBER(filter) NUMBER(first) \
-    NUMBER(frequency) NUMBER(has_azimuths) NUMBER(has_verticals) NUMBER(highest) NUMBER(hillshade) NUMBER(hours) \
-    NUMBER(kind) NUMBER(latitude) NUMBER(lean) NUMBER(linke) NUMBER(longitude) NUMBER(lowest) NUMBER(max_distance) \
-    NUMBER(metres) NUMBER(min_distance) NUMBER(observer_height) NUMBER(share) NUMBER(sky) NUMBER(start) NUMBER(step) \
-    NUMBER(target_height) NUMBER(tilt) NUMBER(tilted) NUMBER(turned) NUMBER(x) NUMBER(y)
+    NUMBER(directions) NUMBER(disc) NUMBER(energy) NUMBER(every) NUMBER(facing) NUMBER(factor) NUMBER(filter) \
+    NUMBER(first) NUMBER(frequency) NUMBER(has_azimuths) NUMBER(has_verticals) NUMBER(highest) NUMBER(hillshade) \
+    NUMBER(hours) NUMBER(kind) NUMBER(latitude) NUMBER(lean) NUMBER(linke) NUMBER(longitude) NUMBER(lowest) \
+    NUMBER(max_distance) NUMBER(metres) NUMBER(min_distance) NUMBER(observer_height) NUMBER(share) NUMBER(sky) \
+    NUMBER(start) NUMBER(step) NUMBER(target_height) NUMBER(tilt) NUMBER(tilted) NUMBER(turned) NUMBER(x) NUMBER(y)
 /* clang-format on */
 typedef struct call_numbers {
 #define MEMBER(name) double name;
@@ -74,7 +74,7 @@ __attribute__((format(printf, 2, 3))) cw_status call_fail(call *c, const char *f
 
 /* By file: rays.c and field_object.c, products.c, views.c, pieces.c. */
 product make_closest, make_occluded, make_heights, make_points, make_coarser, make_update;
-product make_horizon, make_hours, make_irradiance, make_openness, make_shadow, make_sky, make_visibility;
+product make_horizon, make_insolation, make_openness, make_shadow, make_sky, make_visibility;
 product make_along, make_found, make_lines, make_place_horizons, make_profile, make_sun_days, make_viewshed;
 product make_around, make_beside, make_grown, make_sunward;
 

@@ -90,26 +90,18 @@ static cw_status find_suns(call *c, insolation **sum) {
     return cw_insolation_create(&c->field->terrain, &d, sum);
 }
 
-cw_status make_hours(call *c) {
-    insolation *s;
-    float *out = call_output(c, 0, samples_of(c) * sizeof *out);
-    if (out == NULL) return CW_ERROR_ARGUMENT;
-    cw_status status = find_suns(c, &s);
-    if (status == CW_OK) status = cw_insolation_hours(s, &c->work.run, (cw_area){c->at, 0}, out);
-    cw_insolation_destroy(s);
-    return status;
-}
-
-/* A plane of direct light and, without weights, one of diffuse light. */
-cw_status make_irradiance(call *c) {
+/* Hours or, with energy, a plane of direct light and without weights one of diffuse light. */
+cw_status make_insolation(call *c) {
     const cw_horizon sky = {.count = (uint32_t)c->n.sky, .curvature = c->n.curvature, .flags = CW_HORIZON_TILTED};
+    const cw_area area = {c->at, 0};
+    const bool energy = c->n.energy != 0, diffuse = energy && c->in_count < 2;
     insolation *s;
-    const bool diffuse = c->in_count < 2;
     float *out = call_output(c, 0, (diffuse ? 2 : 1) * samples_of(c) * sizeof *out);
     if (out == NULL) return CW_ERROR_ARGUMENT;
     cw_status status = find_suns(c, &s);
     bool on = work_part(&c->work, 0, diffuse ? 0.5 : 1);
-    if (status == CW_OK && on) status = cw_insolation_direct(s, &c->work.run, (cw_area){c->at, 0}, out);
+    if (status == CW_OK && on)
+        status = (energy ? cw_insolation_direct : cw_insolation_hours)(s, &c->work.run, area, out);
     on = on && diffuse && work_part(&c->work, 0.5, 0.5);
     if (status == CW_OK && on) status = sum_all(c, &sky, 1, (float)cw_insolation_diffuse(s));
     cw_insolation_destroy(s);
