@@ -55,10 +55,8 @@ def map_of_transform(transform) -> np.ndarray:
         raise TypeError(f"transform: {transform!r}, expected an Affine or numbers") from None
     if numbers.shape == (3, 4):
         return numbers
-    if numbers.shape == (9,):
-        numbers = numbers[:6]
-    if numbers.shape == (3, 3):
-        numbers = numbers[:2].ravel()
+    if numbers.shape in ((9,), (3, 3)):
+        numbers = numbers.ravel()[:6]
     if numbers.shape != (6,):
         raise ValueError(f"transform: shape {numbers.shape}, expected an Affine, (6,), (3, 3) or (3, 4)")
     a, b, c, d, e, f = (float(x) for x in numbers)
@@ -223,11 +221,10 @@ def describe_dataarray(z, transform=None, crs=None, nodata=None, zscale=None) ->
         affine = np.array([[step_x, 0, 0, first_x], [0, step_y, 0, first_y], [0, 0, 1, 0]], np.float64)
     else:
         affine, placed = IDENTITY.copy(), False
-    if nodata is None:
-        for place in (like.attrs, like.encoding):
-            for key in ("_FillValue", "nodata", "missing_value"):
-                if nodata is None and np.ndim(place.get(key)) == 0 and place.get(key) is not None:
-                    nodata = float(place[key])
+    for place in (like.attrs, like.encoding):
+        for key in ("_FillValue", "nodata", "missing_value"):
+            if nodata is None and np.ndim(place.get(key)) == 0 and place.get(key) is not None:
+                nodata = float(place[key])
     if crs is None:
         crs = _crs_of_dataarray(like)
     if crs is None and placed and str(x).lower() in ("lon", "longitude"):
@@ -345,7 +342,7 @@ def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
 
 
 def read_source(z, transform, crs, nodata, zscale, band) -> Source:
-    if hasattr(z, "dims") and hasattr(z, "coords") and hasattr(z, "values"):
+    if hasattr(z, "dims") and hasattr(z, "coords"):
         described = describe_dataarray(z, transform, crs, nodata, zscale)
         return described._replace(samples=samples_of(described.like.values, described.nodata))
     if hasattr(z, "read") and hasattr(z, "transform"):

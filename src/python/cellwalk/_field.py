@@ -101,11 +101,10 @@ class Field(Products):
         self._whole, self._scale = whole, scale
         self._door = threading.Lock()
         self._difference: Optional[Difference] = None
-        samples = source.samples
-        if copy and given is not None and np.shares_memory(samples, np.asarray(getattr(given, "values", given))):
-            samples = samples.copy()
-        self._own = given is None or not np.shares_memory(samples, np.asarray(getattr(given, "values", given)))
-        self._build(samples, progress)
+        held = given.data if hasattr(given, "dims") else given  # chunks are not computed again, and may be views of another array
+        shared = given is not None and (hasattr(held, "dask") or np.shares_memory(source.samples, np.asarray(held)))
+        self._own = copy or not shared
+        self._build(source.samples.copy() if copy and shared else source.samples, progress)
 
     def _build(self, samples: np.ndarray, progress=None) -> None:
         known = self._source.crs
