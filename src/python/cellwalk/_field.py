@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
 import numpy as np
 
 from . import _cellwalk
-from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, map_of_file, nodata_of, numbers, pool_of, progress_call, read_crs, read_source, samples_of, scale_of, warn_of_heights
+from ._convert import (IDENTITY, Crs, Source, coarser_like, count, finite, map_of_file, nodata_of, numbers, pool_of, progress_call,
+                       read_crs, read_source, samples_of, scale_of, warn_of_heights)
 from ._hits import Hits, _dtype
 from ._products import Products
 from ._rays import rays_of

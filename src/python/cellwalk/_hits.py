@@ -47,11 +47,6 @@ class Hits:
     def hit(self) -> np.ndarray:
         return self.records["i"] >= 0
 
-    def __getattr__(self, name: str) -> np.ndarray:
-        if name not in _dtype.fields:
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        return self.records[name]
-
     @property
     def shape(self) -> tuple[int, ...]:
         return self.records.shape
@@ -85,3 +80,7 @@ class Hits:
         if records.size:
             self._field._call("normals" if kind else "points", {"kind": kind}, (records.view(np.uint8),), (out,), progress, core=self._field._core)
         return out
+
+
+for _name in _dtype.names:
+    setattr(Hits, _name, property(lambda self, name=_name: self.records[name]))

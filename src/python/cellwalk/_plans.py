@@ -332,7 +332,8 @@ def viewshed(spots: np.ndarray, limits: dict[str, float], kind: str, bands: bool
     if kind.startswith("needed") and "has_verticals" in limits:
         raise ValueError("vertical: is about targets of a given height, and needed looks for that height")
     dtype = {"seen": np.uint16, "weights": np.float64}.get(kind, np.float32)
-    return Plan("viewshed", {**limits, "kind": _KINDS.index(kind), "bands": bands}, *VIEWS[kind], dtype, ("observer", list(range(len(spots)))) if bands else None, (spots,))
+    return Plan("viewshed", {**limits, "kind": _KINDS.index(kind), "bands": bands}, *VIEWS[kind], dtype,
+                ("observer", list(range(len(spots)))) if bands else None, (spots,))
 
 
 def ends_of(a, b, absolute) -> tuple[tuple[int, ...], np.ndarray]:
