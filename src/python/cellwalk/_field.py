@@ -264,13 +264,14 @@ class Field(Products):
             >>> f.at([0.5, 1, 7], 1)
             array([3.5, 4. , nan])
         """
+        x, y = numbers(x, "x"), numbers(y, "y")
         try:
-            x, y = np.broadcast_arrays(numbers(x, "x").astype(np.float64), numbers(y, "y").astype(np.float64))
+            places = np.empty((*np.broadcast_shapes(x.shape, y.shape), 3))
         except ValueError:
-            raise ValueError(f"shapes do not broadcast: x {np.shape(x)}, y {np.shape(y)}") from None
-        places = np.stack([x, y, np.full(x.shape, self._source.map[2, 3])], -1)
-        if x.size:
-            self._call("at", {}, (places,), (np.empty(x.size, _dtype), places), progress, core=self._core)
+            raise ValueError(f"shapes do not broadcast: x {x.shape}, y {y.shape}") from None
+        places[..., 0], places[..., 1], places[..., 2] = x, y, self._source.map[2, 3]
+        if places.size:
+            self._call("at", {}, (places,), (np.empty(places.size // 3, _dtype), places), progress, core=self._core)
         return places[..., 2].copy()[()]
 
     def coarser(self, factor: int, filter: str = "mean", *, progress=None) -> Field:
