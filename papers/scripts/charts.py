@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The two kinds of charts: bars and lines. Blue is Cellwalk, orange Embree, grey everything else. Axes follow the
+"""The two kinds of charts: bars and lines. Blue is Cellwalk, orange Embree. Axes follow the
 data; layout.py checks that nothing is cut off and no label lies on another. The same results and version of matplotlib give the same
 bytes: fixed ids, no date, text as text."""
 
@@ -17,12 +17,13 @@ matplotlib.rcParams.update({
     "lines.markersize": 4, "figure.facecolor": "white", "savefig.facecolor": "white"})
 from matplotlib import pyplot  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
+from matplotlib.ticker import LogLocator, NullLocator  # noqa: E402
 
 import draw  # noqa: E402
 import layout  # noqa: E402
 
-COLORS = {"ours": "#1f6fb4", "embree": "#d9731a", "grey": "#8a8a8a"}
-MARKS = {"ours": "o", "embree": "s", "grey": "^"}
+COLORS = {"ours": "#1f6fb4", "embree": "#d9731a"}
+MARKS = {"ours": "o", "embree": "s"}
 WIDTH = 8.4  # inches
 
 
@@ -47,12 +48,6 @@ def legend(figure, height, series):
                   loc="center left", bbox_to_anchor=(0.005, 1 - 0.62 / height), ncol=len(series), fontsize=8.5, columnspacing=1.6)
 
 
-def value(a, rows, contender, **members):
-    """The chart's value for a contender: a member of its best line, or its rate."""
-    key = a.get("value", "rate")
-    return rows.rate(contender, **members) if key == "rate" else rows.value(contender, key, **members)
-
-
 def ordered(a, rows, key):
     return a[f"{key}_order"].split(",") if f"{key}_order" in a else [str(v) for v in rows.distinct(a[key])]
 
@@ -62,7 +57,7 @@ def bars(a, run, rows, series):
     height = 1.05 + 0.26 * len(series) * len(names)
     figure, ((axes,),) = canvas(a, run, height, left=0.17, right=0.95, bottom=0.03, top=1 - 0.8 / height)
     legend(figure, height, series)
-    found = {(n, s.contender): value(a, rows, s.contender, **{a["rows"]: n}) for n in names for s in series}
+    found = {(n, s.contender): rows.rate(s.contender, **{a["rows"]: n}) for n in names for s in series}
     most, thick = max(v for v in found.values() if v), 0.8 / len(series)
     for k, n in enumerate(names):
         for c, s in enumerate(series):
@@ -94,16 +89,19 @@ def lines(a, run, rows, series):
     for panel in axes.flat[len(panels):]:
         panel.remove()
     for k, (title, group) in enumerate(panels):
-        panel, drawn = axes[k // columns][k % columns], []
+        panel = axes[k // columns][k % columns]
         for s in series:
-            points = [(x, v) for x, v in ((x, value(a, group, s.contender, **{a["x"]: n})) for x, n in enumerate(xs)) if v]
+            points = [(x, v) for x, v in ((x, group.rate(s.contender, **{a["x"]: n})) for x, n in enumerate(xs)) if v]
             if points:
                 panel.plot(*zip(*points), s.mark + "-", color=s.color)
-                drawn += [v for _, v in points]
         panel.set_title(title, pad=3)
         panel.grid(axis="y", color="#e4e4e4", linewidth=0.6)
         panel.set_axisbelow(True)
-        layout.log_axis(panel.yaxis, layout.log_limits(drawn or [1, 10]), (1, 3))
+        panel.set_yscale("log")
+        panel.margins(y=0.08)
+        panel.yaxis.set_major_locator(LogLocator(subs=(1, 3)))
+        panel.yaxis.set_major_formatter("{x:g}")
+        panel.yaxis.set_minor_locator(NullLocator())
         panel.set_xlim(-0.25, len(xs) - 0.75)
         panel.set_xticks(range(len(xs)), xs)
         if k + columns >= len(panels):

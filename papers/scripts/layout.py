@@ -1,34 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where things lie in a picture: axes that follow their data, and the check that nothing is cut off and no
-label lies on another. The check measures with matplotlib's own renderer."""
-
-import math
+"""The check that nothing in a picture is cut off and no label lies on another, measured with matplotlib's own renderer."""
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
-from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 from matplotlib.transforms import Bbox
 
 from draw import Problem
-
-
-def log_limits(values, share=0.08):
-    """Limits of a logarithmic axis: those of the values, and a share of their range more on each side."""
-    low, high = min(values), max(values)
-    room = share * (math.log(high / low) if high > low else 1)
-    return low * math.exp(-room), high * math.exp(room)
-
-
-def log_axis(axis, limits, steps=(1, 3), text="{:g}".format):
-    """Logarithmic, with ticks at these steps of each decade."""
-    low, high = limits
-    axis.axes.set(**{f"{axis.axis_name}scale": "log", f"{axis.axis_name}lim": limits})
-    ticks = [step * 10.0 ** decade for decade in range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-             for step in steps if low <= step * 10.0 ** decade <= high]
-    axis.set_major_locator(FixedLocator(ticks))
-    axis.set_ticklabels([text(tick) for tick in ticks])
-    axis.set_minor_locator(NullLocator())
-    axis.set_minor_formatter(NullFormatter())
 
 
 def _holds(outer, box, room=1):

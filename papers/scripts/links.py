@@ -9,8 +9,6 @@ import re
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-PAGES = ("*.md", "*/README.md", "src/*/README.md", "src/*/*/README.md", "bench/*/README.md", "tests/*/README.md", "papers/*.md",
-         "papers/*/*.md")
 PATH = re.compile(r"`((?:src|simd|bench|tests|include|papers)/[\w./*-]+)`")
 
 
@@ -56,11 +54,11 @@ def missing(path, root, known):
 
 
 def main(root):
-    known = known_names(root)
-    wrong = [(os.path.relpath(path, root), line, target) for pattern in PAGES
-             for path in sorted(glob.glob(os.path.join(root, pattern))) for line, target in missing(path, root, known)]
-    for path, line, target in wrong:
-        print(f"{path}:{line}: {target} is not there")
+    known, folders = known_names(root), ("bench/**", "papers/**", "simd", "src/**", "tests/**", "")
+    pages = sorted({page for folder in folders for page in glob.glob(os.path.join(root, folder, "*.md"), recursive=True)})
+    wrong = [f"{os.path.relpath(page, root)}:{line}: {target} is not there" for page in pages for line, target in missing(page, root, known)]
+    for line in wrong:
+        print(line)
     return 1 if wrong else 0
 
 

@@ -82,7 +82,6 @@ def main():
     options.add_argument("--raster", required=True)
     options.add_argument("--side", type=int, default=8193)
     options.add_argument("--workers", type=int, nargs="*", default=[1, 2])
-    options.add_argument("--products", nargs="*", default=list(PRODUCTS), choices=list(PRODUCTS))
     options.add_argument("--tool")
     o = options.parse_args()
     if not os.path.exists(o.raster):
@@ -90,9 +89,9 @@ def main():
     with rasterio.open(o.raster) as file:
         shape = file.shape
     isa = [k.isa for k in cw.kernels() if k.available][-1]
-    print(json.dumps(record("python_dask", "", isa, cellwalk=cw.__version__, shape=list(shape), raster_bytes=4 * shape[0] * shape[1])))
+    print(json.dumps(record("python_dask", f"--raster RASTER --side {o.side} --workers {' '.join(map(str, o.workers))}", isa, cellwalk=cw.__version__, shape=list(shape), raster_bytes=4 * shape[0] * shape[1])))
     with tempfile.TemporaryDirectory(dir=pathlib.Path(o.raster).parent) as folder:
-        for product in o.products:
+        for product in PRODUCTS:
             out = pathlib.Path(folder) / f"{product}.tif"
             for workers in o.workers:
                 print(json.dumps({"kind": "chunks", "product": product, "arguments": PRODUCTS[product][0], **run(product, o.raster, out, workers)}))

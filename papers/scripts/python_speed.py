@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A million rays from NumPy beside the C query, interleaved on one machine: prints JSON lines.
 
-    python3 python_speed.py --tool build/release/src/tool/cellwalk [--side 1025] [--rays 1000000] [--rounds 7]
+    python3 python_speed.py --tool build/release/src/tool/cellwalk [--rounds 7]
 """
 import argparse
 import json
@@ -17,20 +17,17 @@ from terrain import record, said
 
 options = argparse.ArgumentParser(description=__doc__)
 options.add_argument("--tool", required=True)
-options.add_argument("--side", type=int, default=1025)
-options.add_argument("--rays", type=int, default=1000000)
 options.add_argument("--rounds", type=int, default=7)
-options.add_argument("--threads", type=int, default=1)
 o = options.parse_args()
+SIDE, VIEW = 1025, 1000  # samples and rays a side
 
 folder = pathlib.Path(tempfile.mkdtemp())
 random = np.random.default_rng(1)
-y, x = np.mgrid[0:o.side, 0:o.side]
+y, x = np.mgrid[0:SIDE, 0:SIDE]
 z = sum(2.0 ** -k * 60 * np.sin(x * 2 ** k / 97 + k) * np.cos(y * 2 ** k / 83 - k) for k in range(7)).astype("float32")
-side = int(o.rays ** 0.5)
-v, u = np.mgrid[0:side, 0:side] / side
-rays = np.zeros((side * side, 8), "float32")  # a view from above one edge
-rays[:, 0:3], rays[:, 5], rays[:, 7] = (o.side / 2, -0.2 * o.side, 0.35 * o.side), 1, np.inf
+v, u = np.mgrid[0:VIEW, 0:VIEW] / VIEW
+rays = np.zeros((VIEW * VIEW, 8), "float32")  # a view from above one edge
+rays[:, 0:3], rays[:, 5], rays[:, 7] = (SIDE / 2, -0.2 * SIDE, 0.35 * SIDE), 1, np.inf
 rays[:, 4], rays[:, 6] = (u - 0.5).ravel(), (-0.05 - 0.6 * v).ravel()
 wide = rays.astype("float64")
 transform = np.array([[30.0, 0, 0, 600015], [0, -30, 0, 5199985], [0, 0, 30, 0]])
@@ -40,12 +37,12 @@ user[:, 4:7] = wide[:, 4:7] @ transform[:, :3].T
 np.save(folder / "z.npy", z)
 np.save(folder / "rays.npy", rays)
 np.save(folder / "user.npy", user)
-field, mapped = cw.Field(z, threads=o.threads), cw.Field(z, transform=transform, threads=o.threads)
+field, mapped = cw.Field(z, threads=1), cw.Field(z, transform=transform, threads=1)
 org, dirs, uorg, udirs = (np.ascontiguousarray(a) for a in (rays[:, 0:3], rays[:, 4:7], user[:, 0:3], user[:, 4:7]))
 
 
 def tool(name):
-    words = [o.tool, "trace", folder / "z.npy", folder / f"{name}.npy", "--threads", str(o.threads), "--repeat", "3", "--json"]
+    words = [o.tool, "trace", folder / "z.npy", folder / f"{name}.npy", "--threads", "1", "--repeat", "3", "--json"]
     return json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)["seconds_min"]
 
 
@@ -66,13 +63,13 @@ contenders = {
 wanted = field.closest(rays)
 assert (field.closest(org, dirs).t == wanted.t).all()
 there = mapped.closest(user)
-about = {"numpy": np.__version__, "rays": len(rays), "side": o.side, "threads": o.threads, "hit": float(wanted.hit.mean()),
+about = {"numpy": np.__version__, "rays": len(rays), "side": SIDE, "threads": 1, "hit": float(wanted.hit.mean()),
          "mapped_cells_differ": int(((there.i != wanted.i) | (there.j != wanted.j)).sum())}
 times = {name: [] for name in contenders}
 for turn in range(o.rounds):
     for name in sorted(contenders, key=lambda n: hash((turn, n))):
         times[name].append(contenders[name]())
-print(json.dumps(record("python_speed", "", json.loads(said(o.tool, "info", "--json"))["isa"], **about)))
+print(json.dumps(record("python_speed", f"--tool TOOL --rounds {o.rounds}", json.loads(said(o.tool, "info", "--json"))["isa"], **about)))
 base = min(times["C query, float32 rays"])
 for name, t in times.items():
     print(json.dumps({"kind": "call", "call": name, "least": min(t), "median": float(np.median(t)), "over_C": min(t) / base}))

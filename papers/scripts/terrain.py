@@ -52,12 +52,6 @@ def read(path):
         return file.read(1).astype("<f4")
 
 
-def place(n, i, j):
-    return WEST + CELL * (i + 0.5), NORTH - CELL * (j + 0.5)
-
-
-# ---- truth ------------------------------------------------------------------------------------------------------------
-
 def steepest(z, eye, target, k=K):
     """The steepest rise from eye (i, j, height) on the way to target (i, j), ends left out: metres per share of the way."""
     n, d = len(z), np.array(target, float) - np.array(eye[:2], float)
@@ -95,8 +89,6 @@ def hidden_by(z, eye, cells):
     """By how much the ground would have to rise to be seen, or by minus how much it may sink: metres."""
     return np.array([steepest(z, eye, c) - (z[c[1], c[0]] - eye[2] - fall(np.array(c), eye)) for c in cells])
 
-
-# ---- time -------------------------------------------------------------------------------------------------------------
 
 def cost(report):
     """Seconds, those of the CPU, and kilobytes, of GNU time's report."""
@@ -142,8 +134,6 @@ def grass_timed(about, side, dem, command, output, folder):
     return timed(about, side, [cost(report)])
 
 
-# ---- comparisons ------------------------------------------------------------------------------------------------------
-
 def compare_views(z, eye, ours, theirs, program, rng):
     """Cells that differ, and a part of them judged by the truth."""
     lines = []
@@ -154,8 +144,7 @@ def compare_views(z, eye, ours, theirs, program, rng):
         right = np.sum(needed >= 0) if what.startswith("they") else np.sum(needed < 0)
         lines.append({"kind": "view", "program": program, "side": len(z), "class": what, "cells": len(cells),
                       "seen": int(np.sum(ours > 0)), "looked_at": len(some), "we_are_right": int(right),
-                      "median_metres": float(np.median(np.abs(needed))) if len(some) else 0.0,
-                      "beyond_a_metre": int(np.sum(np.abs(needed) > 1))})
+                      "median_metres": float(np.median(np.abs(needed))) if len(some) else 0.0})
     return lines
 
 
@@ -180,8 +169,6 @@ def compare_horizons(z, ours, theirs, azimuth, rng):
                     "most": float(error.max())})
     return out
 
-
-# ---- maps in degrees --------------------------------------------------------------------------------------------------
 
 def compare_maps(tool, folder):
     """A wall around a place, so many kilometres away on all four sides: where `horizon --at` finds it, beside geodesics."""
@@ -209,8 +196,6 @@ def compare_maps(tool, folder):
     return lines
 
 
-# ---- needed heights ---------------------------------------------------------------------------------------------------
-
 def compare_needed(z, side, out):
     """Against every edge on the way to some samples. What is seen needs nothing."""
     eye = (side // 2, side // 2, float(z[side // 2, side // 2]) + 2)
@@ -226,13 +211,11 @@ def compare_needed(z, side, out):
     return lines
 
 
-# ---- the run ----------------------------------------------------------------------------------------------------------
-
 def measure(tool, side, rounds, folder):
     z = land(side)
     dem = os.path.join(folder, f"land{side}")
     write_dem(z, dem)
-    x, y = place(side, side // 2, side // 2)
+    x, y = WEST + CELL * (side // 2 + 0.5), NORTH - CELL * (side // 2 + 0.5)
     out = lambda name: os.path.join(folder, f"{name}{side}.tif")  # noqa: E731
     view = [tool, "viewshed", dem + ".tif", "--from", f"{x},{y},2", "--threads", "1"]
     gdal = ["gdal_viewshed", "-q", "-ox", str(x), "-oy", str(y), "-oz", "2", "-md", "0", "-cc", str(K), dem + ".tif"]
