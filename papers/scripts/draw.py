@@ -329,8 +329,8 @@ def sources(data):
         run = data.read(os.path.join(data.folder, file))[0]
         made_by = f"{'cellwalk-bench' if run['command'] == 'measure' else run['command']} {run.get('arguments', '')}"
         load = f"{run['load']:.2f}" if "load" in run else ""
-        body.append([f"[{file}](data/{file})", made_by, run.get("isa", ""), run.get("commit", "not recorded"), load, run.get("date", "")[:10]])
-    return table(["file", "made by", "up to", "commit", "load", "date"], body)
+        body.append([f"[{file}](data/{file})", made_by, run.get("commit", "not recorded"), load, run.get("date", "")[:10]])
+    return table(["file", "made by", "commit", "load", "date"], body)
 
 
 def pages(root):
