@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "place_sky.h"
 
-#include "clear_sky.h"
 #include "normal.h"
+#include "sun.h"
 
 #include <math.h>
 #include <stdlib.h>

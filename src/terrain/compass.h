@@ -40,4 +40,11 @@ cw_status cw_compass_heading(compass *c, size_t k, cw_heading **heading, double 
 /* The rise, in a heading's numbers, of a ray at an altitude of so many degrees. */
 float cw_compass_rise(double slope, double altitude);
 
+/* Degrees whose tangent is x, off by less than 10^-5 degrees, by operations that are the same on every CPU. */
+float cw_horizon_degrees(float x);
+
+/* The azimuths in which shadows are looked for, in degrees: how many there are. */
+enum { SUNLIGHT_STRIPS_MOST = 64 };
+size_t cw_light_azimuths(const cw_light *light, double azimuths[SUNLIGHT_STRIPS_MOST]);
+
 #endif

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Horizons come from headings: the steepest rise from each sample, found on the way outward in one go. */
 
-#include "horizon.h"
-
 #include "area.h"
 #include "compass.h"
 #include "normal.h"

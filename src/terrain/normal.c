@@ -27,7 +27,8 @@ static void find_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
     lean[1] = count > 0 ? sum[1] / count : NAN;
 }
 
-void cw_terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict x, float *restrict y) {
+/* Rise of the surface in a cell along i and j, in the samples' numbers. */
+static void find_leans(const terrain *t, size_t j, size_t from, size_t count, float *restrict x, float *restrict y) {
     const size_t end = from + count;
     const bool inside = j > 0 && j + 1 < t->ny;
     if (inside) {
@@ -49,20 +50,25 @@ void cw_terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, 
     }
 }
 
-void cw_terrain_slope_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict east,
-                          float *restrict north) {
+void cw_terrain_slope_row_as(const terrain *t, double row, size_t j, size_t from, size_t count, float *restrict east,
+                             float *restrict north) {
     const terrain *whole = terrain_whole(t);
     double metres[2];
-    cw_terrain_metres(whole, 0.5 * (double)(whole->nx - 1), (double)(j + t->row), metres);
+    cw_terrain_metres(whole, 0.5 * (double)(whole->nx - 1), row, metres);
     float to_east[2], to_north[2];
     for (int k = 0; k < 2; k++) {
         to_east[k] = (float)(t->back[k][0] * t->map[2][2] / metres[0]);
         to_north[k] = (float)(t->back[k][1] * t->map[2][2] / metres[1]);
     }
-    cw_terrain_lean_row(t, j, from, count, east, north);
+    find_leans(t, j, from, count, east, north);
     for (size_t i = 0; i < count; i++) {
         const float x = east[i], y = north[i];
         east[i] = x * to_east[0] + y * to_east[1];
         north[i] = x * to_north[0] + y * to_north[1];
     }
+}
+
+void cw_terrain_slope_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict east,
+                          float *restrict north) {
+    cw_terrain_slope_row_as(t, (double)(j + t->row), j, from, count, east, north);
 }

@@ -6,12 +6,12 @@
 
 #include "terrain.h"
 
-/* Rise of the surface in a cell along i and j, in the samples' numbers, at count samples of row j from one on; NaN where there is no
- * triangle. */
-void cw_terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict x, float *restrict y);
-
-/* Slopes of the surface there, metres in a metre: how it rises eastward and northward. */
+/* Slopes of the surface at count samples of row j from one on, metres in a metre: how it rises eastward and northward; NaN where there
+ * is no triangle. */
 void cw_terrain_slope_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict east,
                           float *restrict north);
+/* With the metres of a row of the whole raster, for rows that share a heading. */
+void cw_terrain_slope_row_as(const terrain *t, double row, size_t j, size_t from, size_t count, float *restrict east,
+                             float *restrict north);
 
 #endif

@@ -3,8 +3,6 @@
  * horizon is found along the middle line of each of several upright strips. The part of the strip above it is exact,
  * so a few strips are as good as hundreds of rays. */
 
-#include "shadow.h"
-
 #include "area.h"
 #include "compass.h"
 #include "normal.h"
@@ -101,7 +99,7 @@ static cw_status blocked(sunlight *s, const cw_run *run, cw_rectangle at, uint8_
     return cw_heading_occluded(heading, run, cw_compass_rise(slope, s->desc.altitude), at, occluded);
 }
 
-/* At the raster's rim no terrain hides a sun below the level. From a height h over the sea a free horizon has the dip
+/* At the raster's rim no terrain hides a sun below the level, yet samples are dark once all of it is lower than a free horizon. From a height h over the sea a free horizon has the dip
  * acos(R / (R + h)), so samples up to this height, in their numbers, are dark. */
 static double night_limit(const sunlight *s) {
     double sine, cosine, half, unused;
@@ -186,8 +184,8 @@ static cw_status share_of_disc(sunlight *s, const cw_run *run, cw_rectangle at, 
 typedef struct shading {
     const sunlight *light;
     cw_rectangle at;
-    float *share, *lean;     /* lean: two rows for each of the block's */
-    float east[2], north[2]; /* lean along i and j to slope, in metres, eastward and northward */
+    float *share, *slopes; /* two rows for each of the block's: eastward, northward */
+    double middle;         /* of the rows that share headings */
 } shading;
 
 static void shade_rows(void *context, size_t begin, size_t end) {
@@ -195,26 +193,19 @@ static void shade_rows(void *context, size_t begin, size_t end) {
     const size_t nx = h->at.nx;
     const float lx = (float)h->light->towards[0], ly = (float)h->light->towards[1], lz = (float)h->light->towards[2];
     for (size_t j = begin; j < end; j++) {
-        float *restrict share = h->share + j * nx, *restrict x = h->lean + 2 * j * nx, *restrict y = x + nx;
-        cw_terrain_lean_row(h->light->terrain, h->at.j + j, h->at.i, nx, x, y);
+        float *restrict share = h->share + j * nx, *restrict east = h->slopes + 2 * j * nx, *restrict north = east + nx;
+        cw_terrain_slope_row_as(h->light->terrain, h->middle, h->at.j + j, h->at.i, nx, east, north);
         for (size_t i = 0; i < nx; i++) {
-            const float east = x[i] * h->east[0] + y[i] * h->east[1], north = x[i] * h->north[0] + y[i] * h->north[1];
-            const float cosine = (lz - east * lx - north * ly) / sqrtf(1 + east * east + north * north);
+            const float cosine =
+                (lz - east[i] * lx - north[i] * ly) / sqrtf(1 + east[i] * east[i] + north[i] * north[i]);
             share[i] *= cosine < 0 ? 0 : cosine;
         }
     }
 }
 
 static cw_status shade(sunlight *s, const cw_run *run, cw_rectangle at, float *share) {
-    const terrain *t = s->terrain, *whole = terrain_whole(t);
-    double metres[2];
-    cw_terrain_metres(whole, 0.5 * (double)(whole->nx - 1), cw_compass_middle(&s->compass), metres);
-    shading h = {.light = s, .at = at, .share = share, .lean = work(s, 2 * at.nx * at.ny)};
-    if (h.lean == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    for (int k = 0; k < 2; k++) {
-        h.east[k] = (float)(t->back[k][0] * t->map[2][2] / metres[0]);
-        h.north[k] = (float)(t->back[k][1] * t->map[2][2] / metres[1]);
-    }
+    shading h = {s, at, share, work(s, 2 * at.nx * at.ny), cw_compass_middle(&s->compass)};
+    if (h.slopes == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     cw_pool_run(run->pool, at.ny, 4, shade_rows, &h);
     return CW_OK;
 }

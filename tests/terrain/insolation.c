@@ -4,7 +4,6 @@
 
 #include "insolation.h"
 
-#include "clear_sky.h"
 #include "ground.h"
 #include "normal.h"
 

@@ -2,8 +2,8 @@
 /* Shadow, horizon and the sun's disc on land of many kinds: against rays that the library's queries trace one by one, against lines of
  * sight, and against closed forms. */
 
+#include "compass.h"
 #include "ground.h"
-#include "horizon.h"
 
 #include <string.h>
 

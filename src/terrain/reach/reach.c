@@ -4,9 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* An edge that is crossed ends up to a cell beside the way, and normals look at the next samples. */
-static const double beside = 2;
-
 /* The part of an axis from low to high, with both ends, that the raster has: at least 2 samples. */
 static void cut(double low, double high, size_t samples, size_t *first, size_t *count) {
     const double last = (double)(samples - 1);
@@ -31,14 +28,14 @@ static void ends(cw_rectangle r, double low[2], double high[2]) {
     high[1] = (double)(r.j + r.ny) - 1;
 }
 
-cw_rectangle cw_reach_grow(const terrain *whole, cw_rectangle part, double more) {
+static cw_rectangle grown(const terrain *whole, cw_rectangle part, double columns, double rows) {
     double low[2], high[2];
     ends(part, low, high);
-    for (int k = 0; k < 2; k++) {
-        low[k] -= more;
-        high[k] += more;
-    }
-    return between(whole, low, high);
+    return between(whole, (double[2]){low[0] - columns, low[1] - rows}, (double[2]){high[0] + columns, high[1] + rows});
+}
+
+cw_rectangle cw_reach_grow(const terrain *whole, cw_rectangle part, double more) {
+    return grown(whole, part, more, more);
 }
 
 cw_rectangle cw_reach_both(cw_rectangle a, cw_rectangle b) {
@@ -76,8 +73,8 @@ cw_rectangle cw_reach_between(const terrain *whole, const double at[2], cw_recta
     double low[2], high[2];
     ends(part, low, high);
     for (int k = 0; k < 2; k++) {
-        low[k] = fmin(low[k], at[k]) - beside;
-        high[k] = fmax(high[k], at[k]) + beside;
+        low[k] = fmin(low[k], at[k]) - REACH_BESIDE;
+        high[k] = fmax(high[k], at[k]) + REACH_BESIDE;
     }
     return between(whole, low, high);
 }
@@ -100,20 +97,16 @@ cw_rectangle cw_reach_around(const terrain *whole, const double at[2], double me
 }
 
 cw_rectangle cw_reach_beside(const terrain *whole, cw_rectangle part, double metres) {
-    double low[2], high[2], most[2] = {0, 0};
-    ends(part, low, high);
+    double most[2] = {0, 0};
     /* The compass has one direction for up to 256 rows. */
-    const double from = fmax(low[1] - 256, 0), until = fmin(high[1] + 256, (double)(whole->ny - 1));
+    const double from = fmax((double)part.j - 256, 0),
+                 until = fmin((double)(part.j + part.ny) + 255, (double)(whole->ny - 1));
     for (double j = from; j <= until; j += terrain_has_rows(whole) ? 0.5 : until - from + 1) {
         double cells[2];
         cells_a_metre(whole, 0.5 * (double)(whole->nx - 1), j, cells);
-        for (int k = 0; k < 2; k++) most[k] = fmax(most[k], cells[k]);
+        for (int k = 0; k < 2; k++) most[k] = fmax(most[k], metres * cells[k] * (1 + 0x1p-19) + REACH_BESIDE);
     }
-    for (int k = 0; k < 2; k++) {
-        low[k] -= metres * most[k] * (1 + 0x1p-19) + beside;
-        high[k] += metres * most[k] * (1 + 0x1p-19) + beside;
-    }
-    return between(whole, low, high);
+    return grown(whole, part, most[0], most[1]);
 }
 
 /* ---- blocks ------------------------------------------------------------------------------------------------------ */
@@ -200,7 +193,7 @@ static bool passing(const reach_sunward *s, cw_rectangle part, cw_rectangle over
     *first = 0;
     *last = INFINITY;
     for (int a = 0; a < 2; a++) {
-        const double least = low[a] - beside - until[a], most = high[a] + beside - from[a];
+        const double least = low[a] - REACH_BESIDE - until[a], most = high[a] + REACH_BESIDE - from[a];
         /* t cells[1] >= least and t cells[0] <= most, for some t >= 0 */
         const double fast = s->cells[a][1], slow = s->cells[a][0];
         if (fast > 0)
@@ -224,7 +217,7 @@ bool cw_reach_passes(const reach_sunward *s, cw_rectangle part, cw_rectangle ove
     return passing(s, part, over, &first, &last);
 }
 
-static cw_rectangle block_at(const reach_blocks *b, size_t x, size_t y) {
+cw_rectangle cw_reach_block(const reach_blocks *b, size_t x, size_t y) {
     const size_t i = x * REACH_BLOCK, j = y * REACH_BLOCK;
     return (cw_rectangle){i, j, b->whole->nx - i < REACH_BLOCK ? b->whole->nx - i : REACH_BLOCK,
                           b->whole->ny - j < REACH_BLOCK ? b->whole->ny - j : REACH_BLOCK};
@@ -238,8 +231,9 @@ static void blocks_in_reach(const reach_blocks *b, const reach_sunward *s, const
         const double count = (double)(a ? b->down : b->across);
         double low = 0, high = count;
         if (s->tangent > 0) {
-            low = floor((from[a] + fmin(s->cells[a][0], 0) * (over / s->tangent) - 2 * beside) / REACH_BLOCK);
-            high = floor((until[a] + fmax(s->cells[a][1], 0) * (over / s->tangent) + 2 * beside) / REACH_BLOCK) + 1;
+            low = floor((from[a] + fmin(s->cells[a][0], 0) * (over / s->tangent) - 2 * REACH_BESIDE) / REACH_BLOCK);
+            high =
+                floor((until[a] + fmax(s->cells[a][1], 0) * (over / s->tangent) + 2 * REACH_BESIDE) / REACH_BLOCK) + 1;
         }
         first[a] = (size_t)fmin(fmax(low, 0), count);
         end[a] = (size_t)fmax(fmin(high, count), 0);
@@ -261,14 +255,14 @@ cw_rectangle cw_reach_of_shadows(const reach_blocks *b, const reach_sunward *s, 
     const double lowest = lowest_of(b, part);
     ends(part, from, until);
     for (int a = 0; a < 2; a++) {
-        low[a] = from[a] - beside;
-        high[a] = until[a] + beside;
+        low[a] = from[a] - REACH_BESIDE;
+        high[a] = until[a] + REACH_BESIDE;
     }
     size_t begin[2], stop[2];
     blocks_in_reach(b, s, from, until, lowest, begin, stop);
     for (size_t y = begin[1]; y < stop[1] && lowest < INFINITY; y++)
         for (size_t x = begin[0]; x < stop[0]; x++) {
-            const cw_rectangle block = block_at(b, x, y);
+            const cw_rectangle block = cw_reach_block(b, x, y);
             double first, last, left[2], end[2];
             if (!(b->high[y * b->across + x] > -INFINITY) || !passing(s, part, block, &first, &last)) continue;
             const double over = ((double)b->high[y * b->across + x] - lowest) * terrain_metres_of_height(b->whole);
@@ -281,8 +275,8 @@ cw_rectangle cw_reach_of_shadows(const reach_blocks *b, const reach_sunward *s, 
                 const double back = fmin(s->cells[a][0], 0), on = fmax(s->cells[a][1], 0);
                 const double nearest = back < 0 ? from[a] + back * last : from[a],
                              farthest = on > 0 ? until[a] + on * last : until[a];
-                low[a] = fmin(low[a], fmax(left[a], nearest) - beside);
-                high[a] = fmax(high[a], fmin(end[a], farthest) + beside);
+                low[a] = fmin(low[a], fmax(left[a], nearest) - REACH_BESIDE);
+                high[a] = fmax(high[a], fmin(end[a], farthest) + REACH_BESIDE);
             }
         }
     return between(b->whole, low, high);

@@ -6,7 +6,7 @@
 #ifndef CELLWALK_TERRAIN_REACH_H
 #define CELLWALK_TERRAIN_REACH_H
 
-#include "shadow.h"
+#include "compass.h"
 
 /* The samples that lines from a place to samples of the part pass; the place may lie outside the raster. */
 cw_rectangle cw_reach_between(const terrain *whole, const double at[2], cw_rectangle part);
@@ -41,6 +41,10 @@ cw_status cw_reach_blocks_create(const terrain *whole, reach_blocks *blocks);
 void cw_reach_blocks_destroy(reach_blocks *blocks);
 /* Takes samples that are in memory. Of a block all must have been taken, in any number of parts. */
 void cw_reach_blocks_take(reach_blocks *blocks, cw_rectangle part, const float *z);
+
+/* An edge that is crossed ends up to a cell beside the way, and normals look at the next samples. */
+#define REACH_BESIDE 2.0
+cw_rectangle cw_reach_block(const reach_blocks *blocks, size_t x, size_t y);
 
 /* The ways from samples of a part toward the sun's disc. */
 typedef struct reach_sunward {

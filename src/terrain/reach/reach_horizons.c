@@ -17,9 +17,6 @@
 /* Rises are computed in float: more than what they, heights between samples and distances are off by, as a share. */
 static const double hair = 0x1p-18;
 
-/* An edge that is crossed ends up to a cell beside the way, and normals look at the next samples. */
-static const double beside = 2;
-
 /* Distances in cells as metres, at all rows that share a heading with a row of blocks. */
 typedef struct scale {
     double cells[2]; /* that a metre is long at most */
@@ -117,12 +114,6 @@ static bool matters(const place *p, size_t x, size_t y) {
     return false;
 }
 
-static cw_rectangle block_at(const reach_blocks *b, size_t x, size_t y) {
-    const size_t i = x * REACH_BLOCK, j = y * REACH_BLOCK;
-    return (cw_rectangle){i, j, b->whole->nx - i < REACH_BLOCK ? b->whole->nx - i : REACH_BLOCK,
-                          b->whole->ny - j < REACH_BLOCK ? b->whole->ny - j : REACH_BLOCK};
-}
-
 /* Adds what matters to a block, from the outermost blocks on: what lies between is then part of it. */
 static void add_block(place *p, cw_rectangle *all) {
     const reach_blocks *b = p->horizons->blocks;
@@ -130,7 +121,7 @@ static void add_block(place *p, cw_rectangle *all) {
     for (size_t k = p->count; k-- > 0;)
         for (size_t y = p->y > k ? p->y - k : 0; y <= p->y + k && y < b->down; y++)
             for (size_t x = p->x > k ? p->x - k : 0; x <= p->x + k && x < b->across; x++) {
-                const cw_rectangle block = block_at(b, x, y), both = cw_reach_both(*all, block);
+                const cw_rectangle block = cw_reach_block(b, x, y), both = cw_reach_both(*all, block);
                 const bool on_ring = apart(x, p->x) == k || apart(y, p->y) == k;
                 if (!on_ring && x < p->x + k) x = p->x + k - 1 > x ? p->x + k - 1 : x;
                 if (on_ring && memcmp(&both, all, sizeof both) != 0 && matters(p, x, y)) *all = both;
@@ -187,5 +178,5 @@ cw_rectangle cw_reach_of_horizons(reach_horizons *h, cw_rectangle part) {
         row->known = true;
         all = cw_reach_both(all, row->matters);
     }
-    return cw_reach_grow(whole, all, beside);
+    return cw_reach_grow(whole, all, REACH_BESIDE);
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sight.h"
 
-#include "bounds.h"
-#include "touch.h"
+#include "way.h"
 
 /* ---- the place --------------------------------------------------------------------------------------------------- */
 

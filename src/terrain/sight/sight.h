@@ -10,8 +10,15 @@
 
 #include "terrain.h"
 
-/* Highest samples of blocks of cells, 4 and 16 and so on cells wide. */
-typedef struct sight_bounds sight_bounds;
+/* The pyramid of highest samples that lines of sight pass over. */
+enum { SIGHT_LEVELS_MOST = 12, SIGHT_FIRST_SHIFT = 2 };
+
+typedef struct sight_bounds {
+    int levels;
+    size_t across[SIGHT_LEVELS_MOST], down[SIGHT_LEVELS_MOST];
+    /* Node (x, y) of level l, 4 << 2 l cells wide, is high[l][y * across[l] + x]; -infinity: no samples. */
+    float *high[SIGHT_LEVELS_MOST];
+} sight_bounds;
 cw_status cw_sight_bounds_create(const terrain *t, sight_bounds **bounds);
 void cw_sight_bounds_destroy(sight_bounds *bounds);
 

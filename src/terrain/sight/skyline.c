@@ -35,7 +35,7 @@ static uint32_t take_piece(skyline *s) {
 
 static bool make_room(skyline *s, size_t cuts) {
     if (cuts <= s->cuts_room) return true;
-    struct skyline_cut *more = realloc(s->cuts, 2 * cuts * sizeof *more);
+    skyline_piece *more = realloc(s->cuts, 2 * cuts * sizeof *more);
     if (more == NULL) return false;
     s->cuts = more;
     s->cuts_room = 2 * cuts;
@@ -43,13 +43,13 @@ static bool make_room(skyline *s, size_t cuts) {
 }
 
 /* One more cut, unless it goes on with the last one's line; a cut of no width gives way. */
-static inline size_t put(struct skyline_cut *cuts, size_t n, double from, const skyline_piece *p) {
+static inline size_t put(skyline_piece *cuts, size_t n, double from, const skyline_piece *p) {
     if (n > 0 && !(from > cuts[n - 1].from)) n--;
     if (n > 0 && cuts[n - 1].a == p->a && cuts[n - 1].b == p->b && cuts[n - 1].below >= p->below) {
         if (p->above > cuts[n - 1].above) cuts[n - 1].above = p->above;
         return n;
     }
-    cuts[n] = (struct skyline_cut){from, p->a, p->b, p->below, p->above};
+    cuts[n] = (skyline_piece){from, p->a, p->b, p->below, p->above, 0};
     return n + 1;
 }
 
@@ -78,7 +78,6 @@ static void put_in_place(skyline *s, uint32_t first, uint32_t last, size_t n) {
     const uint32_t behind = s->pieces[last].next;
     uint32_t at = first;
     for (size_t k = 0; k < n; k++) {
-        const struct skyline_cut *c = &s->cuts[k];
         if (k > 0) {
             const bool end = k + 1 == n && first != last;
             if (end) leave_out(s, at, last);
@@ -89,12 +88,8 @@ static void put_in_place(skyline *s, uint32_t first, uint32_t last, size_t n) {
                 return;
             }
         }
-        skyline_piece *p = &s->pieces[at];
-        p->from = c->from;
-        p->a = c->a;
-        p->b = c->b;
-        p->below = c->below;
-        p->above = c->above;
+        s->cuts[k].next = s->pieces[at].next;
+        s->pieces[at] = s->cuts[k];
     }
     leave_out(s, at, behind);
 }

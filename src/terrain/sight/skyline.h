@@ -27,10 +27,7 @@ typedef struct skyline_piece {
 typedef struct skyline {
     skyline_piece *pieces;
     uint32_t count, room, unused; /* unused: a list of pieces */
-    struct skyline_cut {
-        double from, a, b;
-        float below, above;
-    } * cuts; /* the parts into which an edge cuts pieces */
+    skyline_piece *cuts;          /* the parts into which an edge cuts pieces */
     size_t cuts_room;
     double from, until; /* the range */
     double steepest;    /* greatest b so far, without its sign */

@@ -6,7 +6,7 @@
  *     (D×A) b - (D×B) a + (A×B) t
  *
  * has the sign of D×A. Coordinates and heights are sums of a few doubles each, and all of it is summed without rounding. */
-#include "touch.h"
+#include "way.h"
 
 /* A number that is the sum of some doubles. */
 typedef struct parts {

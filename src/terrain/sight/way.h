@@ -2,7 +2,7 @@
 /* The straight way from a target back to the eye, and the edges of the surface that it crosses: on lines of samples
  * x = n and y = n, and on diagonals x - y = n.
  *
- * Places are computed in double, so each comes with a bound on its error. If the answer must be certain, touch.h
+ * Places are computed in double, so each comes with a bound on its error. If the answer must be certain, touch.c
  * decides where the bound leaves it open. */
 #ifndef CELLWALK_TERRAIN_WAY_H
 #define CELLWALK_TERRAIN_WAY_H
@@ -149,5 +149,18 @@ static inline bool look_between(const way *w, double a, double b, way_look *look
     }
     return false;
 }
+
+/* ---- touches: whether the surface blocks a line at a crossing, decided exactly for the numbers that are given: the samples, the
+ * eye, the target, and lowerings as cw_sight_fall rounds them ---- */
+
+/* How far the surface is above the line where the two cross, in exact arithmetic. */
+typedef struct touch {
+    bool crosses;  /* between eye and target, both left out */
+    int side;      /* 1: the surface is above the line, 0: it touches, -1: below */
+    double excess; /* the target would have to be that much higher to touch, rounded */
+} touch;
+
+/* c has its line, kind and n, and its place on that, which may be off by the way's slack. */
+touch cw_touch_at(const crossing *c);
 
 #endif

@@ -5,7 +5,6 @@
 #include "insolation.h"
 
 #include "area.h"
-#include "clear_sky.h"
 #include "compass.h"
 #include "normal.h"
 
@@ -35,6 +34,7 @@ struct insolation {
     size_t sector_count;
     double *azimuths; /* a sector's */
     double diffuse;
+    bool energy; /* is summed, on the ground as it leans; else hours or weights */
     compass compass;
     void *work;
     size_t room;
@@ -287,7 +287,10 @@ static float *work(insolation *s, size_t samples, size_t floats, size_t doubles,
     return s->work ? (float *)(*out + samples * doubles) : NULL;
 }
 
-static cw_status fill(insolation *s, const cw_run *run, cw_rectangle at, bool energy, float *out) {
+static cw_status fill(void *context, const cw_run *run, cw_rectangle at, void *to) {
+    insolation *s = context;
+    const bool energy = s->energy;
+    float *out = to;
     const size_t n = at.nx * at.ny, first = at.j, all = at.ny, end = at.j + at.ny;
     const bool doubles = energy || s->weighted;
     double *energies;
@@ -301,12 +304,13 @@ static cw_status fill(insolation *s, const cw_run *run, cw_rectangle at, bool en
         cw_compass_turn(&s->compass, &at, end);
         run_part part = {run, (double)(at.j - first) / (double)all, (double)(at.j + at.ny - first) / (double)all};
         const cw_run some = cw_run_part_of(&part);
-        const size_t to = (at.j - first) * at.nx;
+        const size_t done = (at.j - first) * at.nx;
         block b = {.sum = s, .at = at, .rises = floats, .occluded = (uint8_t *)floats};
-        b.add.count = out + to;
+        b.add.count = out + done;
         b.energy = energy;
-        b.add.energy = doubles ? energies + to : NULL;
-        if (energy) b.add.lie = (ground_lie){l.lie.east + to, l.lie.north + to, l.lie.upright + to, l.lie.place + to};
+        b.add.energy = doubles ? energies + done : NULL;
+        if (energy)
+            b.add.lie = (ground_lie){l.lie.east + done, l.lie.north + done, l.lie.upright + done, l.lie.place + done};
         for (size_t k = 0; k < s->sector_count; k++) {
             run_part way;
             const cw_run one = cw_run_share(&way, &some, k, s->sector_count);
@@ -323,22 +327,17 @@ static cw_status fill(insolation *s, const cw_run *run, cw_rectangle at, bool en
     return CW_OK;
 }
 
-static cw_status fill_hours(void *context, const cw_run *run, cw_rectangle at, void *to) {
-    return fill(context, run, at, false, to);
-}
-
-static cw_status fill_energy(void *context, const cw_run *run, cw_rectangle at, void *to) {
-    return fill(context, run, at, true, to);
+static cw_status make(insolation *s, const cw_run *run, cw_area area, bool energy, float *out, const char *name) {
+    cw_run how;
+    const cw_status status = cw_area_begin(s->terrain, s, "sum", run, &area, &how);
+    s->energy = energy;
+    return status == CW_OK ? cw_area_make(area, &how, sizeof *out, fill, s, out, name) : status;
 }
 
 cw_status cw_insolation_hours(insolation *s, const cw_run *run, cw_area area, float *hours) {
-    cw_run how;
-    const cw_status status = cw_area_begin(s->terrain, s, "sum", run, &area, &how);
-    return status == CW_OK ? cw_area_make(area, &how, sizeof *hours, fill_hours, s, hours, "hours") : status;
+    return make(s, run, area, false, hours, "hours");
 }
 
 cw_status cw_insolation_direct(insolation *s, const cw_run *run, cw_area area, float *energy) {
-    cw_run how;
-    const cw_status status = cw_area_begin(s->terrain, s, "sum", run, &area, &how);
-    return status == CW_OK ? cw_area_make(area, &how, sizeof *energy, fill_energy, s, energy, "energy") : status;
+    return make(s, run, area, true, energy, "energy");
 }

@@ -3,7 +3,6 @@
 
 #include "sun.h"
 
-#include "clear_sky.h"
 #include "command.h"
 #include "insolation.h"
 #include "number.h"
