@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program cellwalk-bench. */
 
-#include "commands.h"
 #include "harness/harness_run.h"
 #include "output.h"
 #include "reference.h"

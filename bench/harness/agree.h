@@ -5,7 +5,7 @@
 #define CELLWALK_BENCH_HARNESS_AGREE_H
 
 #include "cellwalk.h"
-#include "peers/contender.h"
+#include "peers/peer.h"
 
 /* Why one contender has a hit that the other has not. Rounding moves a hit by at most AGREE_ROUNDINGS roundings of the
  * largest coordinate, measured along the surface's normal; along the surface that is more, by one over the cosine

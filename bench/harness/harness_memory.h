@@ -6,7 +6,6 @@
 
 #include "command.h"
 #include "output.h"
-#include "peers/contender.h"
 
 #include <stdlib.h>
 
@@ -21,16 +20,6 @@ static inline void *memory(size_t count, size_t size) {
     void *room = calloc(count ? count : 1, size);
     if (room == NULL) memory_end();
     return room;
-}
-
-/* Of both kinds, for n rays. */
-static inline contender_answers answers_make(size_t n) {
-    return (contender_answers){memory(n, sizeof(cw_hit)), memory(n, 1)};
-}
-
-static inline void answers_free(contender_answers a) {
-    free(a.hits);
-    free(a.occluded);
 }
 
 #endif

@@ -5,12 +5,16 @@
 #ifndef CELLWALK_BENCH_HARNESS_HARNESS_RUN_H
 #define CELLWALK_BENCH_HARNESS_HARNESS_RUN_H
 
+#include "command.h"
 #include "io_error.h"
 #include "options.h"
 
 #include <jansson.h>
 #include <limits.h>
 #include <stdint.h>
+
+/* cmd_measure.c */
+extern const command command_table, command_measure;
 
 /* ---- options ---- */
 

@@ -4,7 +4,6 @@
 
 #include "build_info.h"
 #include "clock.h"
-#include "commands.h"
 #include "harness/harness_memory.h"
 #include "harness/results.h"
 #include "measure/measure.h"

@@ -51,8 +51,8 @@ static bool open_group(workload *w, io_error *error) {
     if (g->n == 0) return io_fail(error, "%s: no rays", w->name);
     if (contender_from_kernel(&g->reference, g->land->field, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT) != CW_OK)
         return io_fail(error, "%s: the reference kernel: %s", w->name, cw_last_error());
-    g->expected = answers_make(g->n);
-    g->out = answers_make(g->n);
+    for (int k = 0; k < 2; k++)
+        *(k ? &g->out : &g->expected) = (contender_answers){memory(g->n, sizeof(cw_hit)), memory(g->n, 1)};
     contender_run(&(contender_pass){&g->reference, g->rays, g->n, g->any, g->expected});
     w->items = (double)g->n;
     return true;
@@ -147,8 +147,10 @@ static void leave(entrant *e) {
 
 static void close_group(workload *w) {
     group *g = w->own;
-    answers_free(g->expected);
-    answers_free(g->out);
+    for (int k = 0; k < 2; k++) {
+        free((k ? g->out : g->expected).hits);
+        free((k ? g->out : g->expected).occluded);
+    }
     free(g->rays);
     free(g);
 }
