@@ -219,11 +219,13 @@ cw_status cw_horizon_angles(const cw_terrain *t, const cw_run *run, const cw_hor
 
 /* ---- the sky -------------------------------------------------------------------------------------------------------- */
 
+/* One direction more. */
 typedef struct adding {
-    const float *rises;
+    const float *rises, *east, *north; /* slopes of the ground, of the tilted sky */
     double *sum;
+    float *count; /* of directions with terrain, of openness */
     float per_rise;
-    double weight;
+    float towards[2]; /* the direction: east, north */
 } adding;
 
 /* cos² = 1 / (1 + tan²). A hole's NaN stays. */
@@ -231,22 +233,15 @@ static void add_sky(void *context, size_t begin, size_t end) {
     const adding *a = context;
     for (size_t k = begin; k < end; k++) {
         const float up = a->rises[k] * a->per_rise, tangent = up < 0 ? 0 : up;
-        a->sum[k] += a->weight * (double)(1 / (1 + tangent * tangent));
+        a->sum[k] += (double)(1 / (1 + tangent * tangent));
     }
 }
 
 /* The sky over ground that rises by s in that direction, above the horizon's angle a: for a normal of upward part n
  * it is n / π times the integral of (sin x - s cos x) cos x over x from a to π / 2, for each radian of azimuth.
  * Times 2 π it is n (cos² a - s (π / 2 - a - sin a cos a)). */
-typedef struct tilting {
-    const float *rises, *east, *north;
-    double *sum;
-    float per_rise;
-    float towards[2]; /* the direction: east, north */
-} tilting;
-
 static void add_tilted_sky(void *context, size_t begin, size_t end) {
-    const tilting *a = context;
+    const adding *a = context;
     for (size_t k = begin; k < end; k++) {
         const float slope = a->east[k] * a->towards[0] + a->north[k] * a->towards[1];
         const float rise = a->rises[k] * a->per_rise, tangent = rise < slope ? slope : rise; /* NaN stays */
@@ -256,15 +251,9 @@ static void add_tilted_sky(void *context, size_t begin, size_t end) {
     }
 }
 
-typedef struct opening {
-    const float *rises;
-    double *sum;
-    float *count, per_rise;
-} opening;
-
 /* Without terrain in that direction, or at a hole, there is no angle. */
 static void add_opening(void *context, size_t begin, size_t end) {
-    const opening *a = context;
+    const adding *a = context;
     for (size_t k = begin; k < end; k++) {
         if (!isfinite(a->rises[k])) continue;
         a->sum[k] += 90 - (double)cw_horizon_degrees(a->rises[k] * a->per_rise);
@@ -283,19 +272,16 @@ static cw_status add_direction(horizon *h, const cw_run *run, size_t k, cw_recta
     /* Terrain below the level hides nothing of the sky. */
     if (status == CW_OK) status = cw_heading_steepest(heading, run, count ? -INFINITY : 0, INFINITY, at, h->work);
     if (status != CW_OK) return status;
-    const float per_rise = (float)(1 / slope);
-    if (count) {
-        cw_pool_run(run->pool, n, GRAIN, add_opening, &(opening){h->work, sum, count, per_rise});
-        return CW_OK;
+    adding a = {.rises = h->work, .sum = sum, .count = count, .per_rise = (float)(1 / slope)};
+    if (lean) {
+        double sine, cosine;
+        cw_terrain_sine_cosine(h->azimuths[k], &sine, &cosine);
+        a.east = lean;
+        a.north = lean + h->room;
+        a.towards[0] = (float)sine;
+        a.towards[1] = (float)cosine;
     }
-    if (lean == NULL) {
-        cw_pool_run(run->pool, n, GRAIN, add_sky, &(adding){h->work, sum, per_rise, 1});
-        return CW_OK;
-    }
-    double sine, cosine;
-    cw_terrain_sine_cosine(h->azimuths[k], &sine, &cosine);
-    tilting a = {h->work, lean, lean + h->room, sum, per_rise, {(float)sine, (float)cosine}};
-    cw_pool_run(run->pool, n, GRAIN, add_tilted_sky, &a);
+    cw_pool_run(run->pool, n, GRAIN, count ? add_opening : lean ? add_tilted_sky : add_sky, &a);
     return CW_OK;
 }
 
