@@ -11,8 +11,9 @@
 #include "cellwalk_expert.h"
 
 /* Eyes are walked from in groups of so many columns. A ray may read so many columns beyond the land: they are holes. Bounds are
- * made of 8 rows, and of 64. */
-enum { VISIBLE_GROUP = 16, VISIBLE_MARGIN = 32, VISIBLE_LEVELS = 2 };
+ * made of 8 rows, and of 64. Areas are summed over runs of so many crossings at
+ * most. */
+enum { VISIBLE_GROUP = 16, VISIBLE_MARGIN = 32, VISIBLE_LEVELS = 2, VISIBLE_RUN = 128 };
 static inline int visible_shift(int level) { return 3 * (level + 1); }
 
 /* A crossing of an edge. Distances count in cells along the ray's longer axis. */
@@ -26,12 +27,19 @@ typedef struct visible_crossing {
 
 /* The piece of the ray that ends at a crossing. */
 typedef struct visible_piece {
-    float begin, end, length;
-    float twice; /* its end */
+    float begin, end;
+    float length, twice; /* its length and twice its end, times the run's scale */
 } visible_piece;
 
-/* What is asked for, whether a target stands above the ground, and whether the land has holes. */
-enum { VISIBLE_AREA = 1, VISIBLE_FARTHEST = 2, VISIBLE_TARGET = 4, VISIBLE_HOLES = 8 };
+/* Areas of pieces are integers of units, powers of 2 that become greater with the distance. */
+typedef struct visible_run {
+    double unit;
+    float scale, inverse; /* 1 / sqrt(unit), and 1 / scale */
+    size_t until;         /* number of the first piece of the next run */
+} visible_run;
+
+/* What is asked for; whether a target stands above the ground, the land has holes, or level blocks. */
+enum { VISIBLE_AREA = 1, VISIBLE_FARTHEST = 2, VISIBLE_TARGET = 4, VISIBLE_HOLES = 8, VISIBLE_LEVEL = 16 };
 
 typedef struct visible_job {
     const float *land; /* the sample of column 0 and row 0 */
@@ -40,9 +48,16 @@ typedef struct visible_job {
     /* Of each block of rows, where a ray enters it in a given column: at least as high as all samples that the ray reads in it.
      * -infinity: there are none. */
     float *bound[VISIBLE_LEVELS];
+    /* Of each block of 8 rows likewise: the height of all samples that the ray reads in it, if they stand equally high, otherwise
+     * NaN. */
+    const float *level;
 
     const visible_crossing *crossing; /* in the order of their distances */
     const visible_piece *piece;
+    const visible_run *run; /* of at most VISIBLE_RUN pieces each, from the eye on */
+    const double *whole;    /* areas of all pieces up to a crossing if they are in sight, as the kernel sums them */
+    const float
+        *sunk; /* level ground that begins at row k of the ray rises from crossing to crossing if it lies lower */
     const uint32_t *until;  /* number of crossings up to row k of the ray, that row's included */
     const ptrdiff_t *entry; /* the column in which the ray crosses row k, as a distance in memory */
     size_t steps;           /* rows that the ray goes through at most */
@@ -60,9 +75,10 @@ typedef struct visible_job {
 typedef void visible_walk_fn(const visible_job *job, ptrdiff_t eyes, size_t row, size_t step, size_t count, size_t most,
                              float *area, float *farthest);
 
-/* The maximum of one row of numbers, width of them, seen from offsets at[0] to at[count - 1]: to[k] becomes the greatest of
- * to[k] and from[k + at[n]], NaN left out. */
-typedef void visible_bound_fn(float *to, const float *from, const ptrdiff_t *at, size_t count, size_t width);
+/* The greatest and the least numbers of a row, width of them, seen from offsets at[0] to at[count - 1]: high[k] becomes the greatest
+ * of high[k] and from[k + at[n]], NaN left out; low[k], if not NULL, the least likewise, NaN taken for -infinity. */
+typedef void visible_bound_fn(float *high, float *low, const float *from, const ptrdiff_t *at, size_t count,
+                              size_t width);
 
 typedef struct visible_code {
     visible_walk_fn *walk;

@@ -6,12 +6,12 @@
  * the line of sight over the steepest place before.
  *
  * Invariant: blocks of rows are passed over only if no slope in them, as this code rounds it, exceeds the steepest one of any
- * lane. Then the walk would add nothing there. So the answers do not depend on width, nor on how blocks lie. papers/numerics.md
- * derives the bound.
+ * lane, or if they are level and all of them is in sight. Then the walk would add nothing there, or just as much. So the answers do
+ * not depend on width, nor on how blocks lie. papers/numerics.md derives the bounds.
  *
  * Some lane of 16 sees most of the pieces that are scanned, so 16 lanes take no branch around the others: it would be mispredicted too
- * often. Rejected: sums of squared distances where sight begins and ends, which need fewer divisions but are slower
- * (papers/terrain.md). */
+ * often. Rejected: sums of squared distances where sight begins and ends, which need fewer divisions but are slower, and level blocks
+ * of 64 rows, which slow the tests of all blocks down (papers/terrain.md). */
 
 #include "vocabulary.h"
 
@@ -25,8 +25,8 @@ typedef struct lanes {
     vfloat steepest; /* up to the ground, so far */
     vfloat low;      /* KEEPS_LOW: steepest less slope as the last crossing found them, times its distance */
     vdouble area;
-    vfloat more; /* what is to be subtracted from area: of a run of crossings, the present one */
-    size_t run;
+    vint more; /* what is to be added to area, in units of the present run of crossings */
+    const visible_run *run;
     vfloat farthest;
 } lanes;
 
@@ -45,30 +45,40 @@ CW_INLINE vfloat slope_to(const visible_crossing *c, vfloat height) {
  * subtracted: a difference whose second part is in memory takes an instruction less. */
 CW_INLINE void add_seen(const visible_job *job, lanes *l, const visible_piece *p, vmask seen, vmask late, vfloat share,
                         unsigned look, bool cut) {
-    const vfloat begin = vf_set(p->begin), end = vf_set(p->end), part = vf_mul(vf_set(p->length), share);
-    vfloat last = vf_select(late, end, vf_add(begin, part));
-    const vfloat from_end = vf_mul(part, vf_sub(part, vf_set(p->twice)));
-    const vfloat from_begin = vf_mul(vf_sub(vf_set(0), part), vf_add(vf_add(begin, begin), part));
-    vfloat negated = vf_select(late, from_end, from_begin);
-    if (cut) { /* what lies beyond the reach does not count */
-        const vfloat first = vf_select(late, vf_sub(end, part), begin);
-        last = vf_min(last, vf_set(job->reach));
-        seen = vm_and(seen, vf_lt(first, last));
-        negated = vf_mul(vf_sub(first, last), vf_add(last, first));
+    const vfloat part = vf_mul(vf_set(p->length), share), end = vf_set(p->end);
+    vfloat last = end, negated = vf_mul(part, vf_sub(part, vf_set(p->twice)));
+    if ((look & VISIBLE_TARGET) || cut) {
+        const visible_run *run = l->run;
+        const vfloat begin = vf_set(p->begin), large = vf_mul(begin, vf_set(run->scale)),
+                     length = vf_mul(part, vf_set(run->inverse));
+        const vfloat from_begin = vf_mul(vf_sub(vf_set(0), part), vf_add(vf_add(large, large), part));
+        negated = vf_select(late, negated, from_begin);
+        last = vf_select(late, end, vf_add(begin, length));
+        if (cut) { /* what lies beyond the reach does not count */
+            const vfloat first = vf_select(late, vf_sub(end, length), begin), scale = vf_set(run->scale);
+            last = vf_min(last, vf_set(job->reach));
+            seen = vm_and(seen, vf_lt(first, last));
+            negated = vf_mul(vf_mul(vf_sub(first, last), scale), vf_mul(vf_add(last, first), scale));
+        }
     }
-    if (look & VISIBLE_AREA) l->more = vf_add(l->more, vf_select(seen, negated, vf_set(0)));
+    if (look & VISIBLE_AREA) l->more = vi_sub(l->more, vi_from_vf(vf_select(seen, negated, vf_set(0))));
     if (look & VISIBLE_FARTHEST) l->farthest = vf_select(seen, last, l->farthest);
 }
 
-/* Areas are summed in float over a run of RUN crossings, and runs in double, because conversion of each piece is slow
- * (papers/terrain.md); papers/numerics.md bounds the error. Runs are counted from the eye, so they do not depend on blocks. */
-enum { RUN = 32 };
+/* Conversion of each piece's area to double is slow (papers/terrain.md), and sums of floats hang on their order. So areas are summed
+ * as integers over a run of crossings, and runs in double, exactly (papers/numerics.md). Runs are counted from the eye. */
+CW_INLINE void add_run(lanes *l) {
+    const vint high = vi_and(l->more, vi_set(0x7fff0000)), low = vi_and(l->more, vi_set(0xffff)); /* are floats */
+    const vdouble sum = vd_add(vd_from_vf(vf_from_vi(high)), vd_from_vf(vf_from_vi(low)));
+    l->area = vd_add(l->area, vd_mul(sum, vd_set(l->run->unit)));
+}
 
-CW_INLINE void enter_run(lanes *l, size_t run) {
-    if (run == l->run) return;
-    l->area = vd_sub(l->area, vd_from_vf(l->more));
-    l->more = vf_set(0);
-    l->run = run;
+/* Makes the piece's run the present one. */
+CW_INLINE void enter_run(lanes *l, size_t piece, unsigned look) {
+    if (piece < l->run->until) return;
+    if (look & VISIBLE_AREA) add_run(l);
+    l->more = vi_set(0);
+    while (piece >= l->run->until) l->run++;
 }
 
 /* Where a piece comes into sight part of the way, its begin was below the line of sight by just as much as the end of the piece
@@ -113,14 +123,33 @@ static __attribute__((noinline)) void scan_last(const visible_job *job, const fl
     scan(job, eye, l, k, k + 1, job->look | VISIBLE_AREA | VISIBLE_FARTHEST | VISIBLE_HOLES, true);
 }
 
-/* True if no slope in the block of rows before which the ray crosses its k-th row exceeds the steepest one of any lane. */
-CW_INLINE bool block_is_low(const visible_job *job, ptrdiff_t eyes, size_t row, size_t k, int level, const lanes *l) {
+/* Lanes in which a slope may exceed the steepest one in the block of rows that begins where the ray crosses its k-th row. */
+CW_INLINE vmask block_is_high(const visible_job *job, ptrdiff_t eyes, size_t row, size_t k, int level, const lanes *l) {
     const size_t length = (size_t)1 << visible_shift(level), after = k + length < job->steps ? k + length : job->steps;
     const float *bound = job->bound[level] + (ptrdiff_t)((row + k) >> visible_shift(level)) * job->stride;
     const visible_crossing *near = job->crossing + job->until[k] - 1, *far = job->crossing + job->until[after] - 1;
     const vfloat up = vf_add(vf_sub(vf_load(bound + eyes + job->entry[k]), l->z), vf_set(job->lift));
     const vfloat most = vf_max(vf_mul(up, vf_set(near->inverse)), vf_mul(up, vf_set(far->inverse)));
-    return !vm_any(vf_gt(vf_sub(most, vf_set(near->drop)), l->steepest));
+    return vf_gt(vf_sub(most, vf_set(near->drop)), l->steepest);
+}
+
+/* A lake: true if each lane sees all of the block of 8 rows, which is level, or nothing (high: it may see some). Then what it sees
+ * is added as scan() adds it. Over level ground slopes rise strictly from crossing to crossing if the eye stands high enough over it
+ * (papers/numerics.md), also from the one at which the block begins. So all of it is in sight if that one is. */
+CW_INLINE bool add_level(const visible_job *job, ptrdiff_t eyes, size_t row, size_t k, vmask high, lanes *l,
+                         unsigned look) {
+    const float *level = job->level + (ptrdiff_t)((row + k) >> visible_shift(0)) * job->stride + eyes + job->entry[k];
+    if (isnan(*level)) return false; /* mostly no lane is level where the first is not */
+    const size_t from = job->until[k] - 1, to = job->until[k + 8] - 1;
+    const vfloat height = vf_sub(vf_load(level), l->z);
+    const vmask sees = vf_eq(slope_to(job->crossing + from, height), l->steepest);
+    const vmask seen = vm_and(vf_lt(height, vf_set(-job->sunk[k])), sees);
+    if (vm_any(vm_andnot(high, seen))) return false;
+    if (look & VISIBLE_AREA)
+        l->area = vd_add(l->area, vd_select(seen, vd_set(job->whole[to] - job->whole[from]), vd_set(0)));
+    if (look & VISIBLE_FARTHEST) l->farthest = vf_select(seen, vf_set(job->piece[to].end), l->farthest);
+    l->steepest = vf_select(seen, slope_to(job->crossing + to, height), l->steepest);
+    return true;
 }
 
 CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t most, float *area, float *farthest,
@@ -129,7 +158,7 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
     const vfloat none = vf_set(-INFINITY), nothing = vf_set(0);
     const float *eye = job->land + (ptrdiff_t)row * job->stride + eyes;
     const vfloat ground = vf_load(eye);
-    lanes l = {.z = vf_add(ground, vf_set(job->eye)), none, none, nothing, vd_set(0), nothing, 0, nothing};
+    lanes l = {.z = vf_add(ground, vf_set(job->eye)), none, none, nothing, vd_set(0), vi_set(0), job->run, nothing};
     size_t steps = job->rows - 1 - row;
     steps = steps < most ? steps : most;
     steps = steps < job->steps ? steps : job->steps;
@@ -151,8 +180,10 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
     for (size_t k = 0; k < steps;) {
         const size_t at = row + k;
         if (k > 0 && (at & 7) == 0) {
-            const bool by_64 = (at & 63) == 0 && block_is_low(job, eyes, row, k, 1, &l);
-            if (by_64 || block_is_low(job, eyes, row, k, 0, &l)) {
+            const bool by_64 = (at & 63) == 0 && !vm_any(block_is_high(job, eyes, row, k, 1, &l));
+            const vmask high = by_64 ? vm_set(false) : block_is_high(job, eyes, row, k, 0, &l);
+            if (!vm_any(high) ||
+                ((look & VISIBLE_LEVEL) && k + 8 < steps && add_level(job, eyes, row, k, high, &l, look))) {
                 k += by_64 ? 64 : 8;
                 passed = true;
                 continue;
@@ -169,19 +200,19 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
         const size_t to = job->until[end];
         const size_t stop = to < until ? to : until;
         for (size_t from = job->until[k] > 0 ? job->until[k] : 1, next_run; from < stop; from = next_run) {
-            next_run = (from / RUN + 1) * RUN;
-            if (look & VISIBLE_AREA) enter_run(&l, from / RUN);
+            enter_run(&l, from, look);
+            next_run = l.run->until;
             scan(job, eye, &l, from, stop < next_run ? stop : next_run, look, false);
         }
         k = end;
     }
     if (whole && until > 0 && !passed) {
-        enter_run(&l, until / RUN);
+        enter_run(&l, until, look);
         lanes last = l; /* keeps l in registers */
         scan_last(job, eye, &last, until);
         l = last;
     }
-    enter_run(&l, SIZE_MAX);
+    if (look & VISIBLE_AREA) add_run(&l);
     vf_store(area, vf_select(exists, vf_from_vd(l.area), ground));
     vf_store(farthest, l.farthest);
 }
@@ -202,16 +233,27 @@ static void walk_group(const visible_job *job, ptrdiff_t eyes, size_t row, size_
         break;
 #define LOOKS(more)                                                                                                    \
     LOOK(VISIBLE_AREA | (more)) LOOK(VISIBLE_FARTHEST | (more)) LOOK(VISIBLE_AREA | VISIBLE_FARTHEST | (more))
-    switch (job->look) { LOOKS(0) LOOKS(VISIBLE_HOLES) LOOKS(VISIBLE_TARGET | VISIBLE_HOLES) }
+    switch (job->look) {
+        LOOKS(0)
+        LOOKS(VISIBLE_HOLES)
+        LOOKS(VISIBLE_TARGET | VISIBLE_HOLES)
+        LOOKS(VISIBLE_LEVEL)
+        LOOKS(VISIBLE_LEVEL | VISIBLE_HOLES)
+    }
 #undef LOOKS
 #undef LOOK
 }
 
-static void bound_row(float *to, const float *from, const ptrdiff_t *at, size_t count, size_t width) {
+static void bound_row(float *high, float *low, const float *from, const ptrdiff_t *at, size_t count, size_t width) {
     for (size_t k = 0; k < width; k += LANES) {
-        vfloat high = vf_load(to + k);
-        for (size_t n = 0; n < count; n++) high = vf_max(vf_load(from + (ptrdiff_t)k + at[n]), high);
-        vf_store(to + k, high);
+        vfloat most = vf_load(high + k), least = vf_load(low ? low + k : high + k);
+        for (size_t n = 0; n < count; n++) {
+            const vfloat z = vf_load(from + (ptrdiff_t)k + at[n]);
+            most = vf_max(z, most);
+            least = vf_min(vf_select(vf_eq(z, z), z, vf_set(-INFINITY)), least);
+        }
+        vf_store(high + k, most);
+        if (low) vf_store(low + k, least);
     }
 }
 

@@ -127,6 +127,9 @@ static cw_status add(cw_visible *v, const cw_run *how, const cw_visible_desc *de
                           .rows = v->down,
                           .crossing = s->crossing,
                           .piece = s->piece,
+                          .whole = s->whole,
+                          .run = s->run,
+                          .sunk = s->sunk,
                           .until = s->until,
                           .entry = s->entry,
                           .steps = s->steps,
@@ -137,6 +140,8 @@ static cw_status add(cw_visible *v, const cw_run *how, const cw_visible_desc *de
     if (desc->target > 0) w.job.look |= VISIBLE_TARGET | VISIBLE_HOLES;
     if (v->samples.holes > 0) w.job.look |= VISIBLE_HOLES;
     for (int l = 0; l < VISIBLE_LEVELS; l++) w.job.bound[l] = v->bound_memory[l] + AROUND + VISIBLE_MARGIN;
+    if (v->has_level && !(desc->target > 0)) w.job.look |= VISIBLE_LEVEL;
+    w.job.level = v->level_memory + AROUND + VISIBLE_MARGIN;
     w.job.lift = (float)((double)desc->target + rounding(&v->samples, desc->eye, desc->target));
     w.scale = 0.5 * desc->weight / (longest * longest);
     w.length = (float)(desc->length / longest);
@@ -191,6 +196,7 @@ void cw_visible_destroy(cw_visible *v) {
     cw_visible_free_ways(&v->ways);
     large_release(v->memory);
     for (int l = 0; l < VISIBLE_LEVELS; l++) large_release(v->bound_memory[l]);
+    large_release(v->level_memory);
     free(v);
 }
 

@@ -34,7 +34,8 @@ typedef struct cw_visible_sums {
 } cw_visible_sums;
 
 /* Eyes at each every-th column and row of the rectangle, from its first ones on: ceil(nx / every) a row. The caller owns it, and
- * destroys it before the field, which must not be changed meanwhile. It has a copy of the field's samples, and a seventh more.
+ * destroys it before the field, which must not be changed meanwhile. It has a copy of the field's samples, and a quarter
+ * more.
  * On failure *visible is NULL: CW_ERROR_ARGUMENT, _MEMORY. */
 cw_status cw_visible_create(const cw_field *field, cw_rectangle at, size_t every, cw_visible **visible);
 /* NULL is allowed. */

@@ -73,7 +73,7 @@ cw_status cw_visible_turn(cw_visible *v, const double dir[2], const cw_run *how)
 static const double hair = 0x1p-20;
 
 typedef struct bounding {
-    const cw_visible *view;
+    cw_visible *view;
     const visible_code *code;
     int level;
     size_t blocks; /* of the level below; rows at level 0 */
@@ -94,11 +94,13 @@ static void columns_of(const cw_visible *v, int level, int q, ptrdiff_t *low, pt
 static void bound_blocks(void *context, size_t begin, size_t end) {
     enum { COLUMNS_MOST = 8 };
     const bounding *b = context;
-    const cw_visible *v = b->view;
+    cw_visible *v = b->view;
     const int last = b->level > 0 ? 7 : 8;
     for (size_t block = begin; block < end; block++) {
         float *to = v->bound_memory[b->level] + AROUND + (ptrdiff_t)block * v->stride;
+        float *least = b->level > 0 ? NULL : v->level_memory + AROUND + (ptrdiff_t)block * v->stride;
         for (ptrdiff_t k = 0; k < v->stride; k++) to[k] = -INFINITY;
+        for (ptrdiff_t k = 0; k < v->stride && least; k++) least[k] = INFINITY;
         for (int q = 0; q <= last && 8 * block + (size_t)q < b->blocks; q++) {
             const float *from = (b->level > 0 ? v->bound_memory[0] : v->memory) + AROUND +
                                 (ptrdiff_t)(8 * block + (size_t)q) * v->stride;
@@ -109,9 +111,16 @@ static void bound_blocks(void *context, size_t begin, size_t end) {
                 const ptrdiff_t here = (ptrdiff_t)phase * v->segment;
                 for (ptrdiff_t o = low; o <= high && count < COLUMNS_MOST; o++)
                     at[count++] = column_at(v, (ptrdiff_t)phase + o) - here;
-                b->code->bound(to + here, from + here, at, count, (size_t)v->segment);
+                b->code->bound(to + here, least ? least + here : NULL, from + here, at, count, (size_t)v->segment);
             }
         }
+        bool found = false;
+        for (ptrdiff_t k = 0; k < v->stride && least; k++) {
+            const bool is_level = least[k] == to[k] && least[k] > -INFINITY;
+            least[k] = is_level ? least[k] : NAN;
+            found |= is_level;
+        }
+        if (found) atomic_store_explicit(&v->has_level, true, memory_order_relaxed);
     }
 }
 
@@ -120,16 +129,21 @@ cw_status cw_visible_bound(cw_visible *v, const cw_run *how, double aside, doubl
     v->aside[0] = aside - slack - 2 * hair;
     v->aside[1] = aside + slack + 2 * hair;
     v->bounded = false;
+    atomic_store_explicit(&v->has_level, false, memory_order_relaxed);
     cw_run quiet = *how;
     quiet.watch = NULL;
     size_t blocks = v->down;
     for (int l = 0; l < VISIBLE_LEVELS; l++) {
         bounding b = {v, v->code, l, blocks};
         blocks = (blocks + 7) / 8;
-        if (!make_room(&v->bound_memory[l], &v->bound_room[l], blocks * (size_t)v->stride + 2 * AROUND))
+        const size_t count = blocks * (size_t)v->stride;
+        if (!make_room(&v->bound_memory[l], &v->bound_room[l], count + 2 * AROUND) ||
+            (l == 0 && !make_room(&v->level_memory, &v->level_room, count + 2 * AROUND)))
             return cw_fail_plainly(CW_ERROR_MEMORY);
-        for (size_t k = 0; k < AROUND; k++)
-            v->bound_memory[l][k] = v->bound_memory[l][blocks * (size_t)v->stride + AROUND + k] = -INFINITY;
+        for (size_t k = 0; k < AROUND; k++) {
+            v->bound_memory[l][k] = v->bound_memory[l][count + AROUND + k] = -INFINITY;
+            if (l == 0) v->level_memory[k] = v->level_memory[count + AROUND + k] = NAN;
+        }
         const cw_status status = cw_run_work(&quiet, blocks, 4, 16, bound_blocks, &b);
         if (status != CW_OK) return status;
     }
@@ -189,9 +203,55 @@ static size_t row_of_crossings(double aside, size_t k, place row[CROSSINGS_MOST]
 void cw_visible_free_ways(ways *w) {
     large_release(w->crossing);
     large_release(w->piece);
+    large_release(w->whole);
+    large_release(w->run);
+    large_release(w->sunk);
     large_release(w->until);
     large_release(w->entry);
     *w = (ways){0};
+}
+
+/* Up to here all sums are exact in double: the area is at most 2^32, and the least unit 2^-20. */
+enum { EXACT_STEPS = 1 << 16, LEAST_UNIT = -20 };
+
+/* Runs near the eye are short, so that their units are small. Units depend on where a run begins and on its length alone, and not on
+ * how far the land goes: as each row has a crossing, a run goes through no more rows than it has pieces. */
+static void add_areas(ways *w) {
+    double all = 0;
+    visible_run *run = w->run;
+    for (size_t k = 0; k < w->crossings; k++) {
+        visible_piece *p = &w->piece[k];
+        if (k == 0 || k == run->until) {
+            const size_t length = k == 0 ? 8 : k < VISIBLE_RUN ? k : VISIBLE_RUN;
+            run += k > 0;
+            int e;
+            frexp((2 * (double)p->begin + (double)length + 1) * (double)(length + 1), &e);
+            const int half = (int)lesser(-LEAST_UNIT / 2, floor(0.5 * (31 - e)));
+            *run = (visible_run){ldexp(1, -2 * half), (float)ldexp(1, half), (float)ldexp(1, -half), k + length};
+        }
+        p->length *= run->scale;
+        p->twice *= run->scale;
+        all -= trunc((double)(p->length * (p->length - p->twice))) * run->unit;
+        w->whole[k] = all;
+    }
+}
+
+/* How far the eye must stand over a level block that begins at row k so that slopes rise from each crossing in it to the next, after
+ * rounding, too: papers/numerics.md. */
+static float sunk_at(const ways *w, size_t k) {
+    enum { LEAST = -80 }; /* whatever is higher does not become denormal on the way */
+    const double u = 0x1p-24;
+    const visible_crossing *c = w->crossing + w->until[k] - 1, *last = w->crossing + w->until[k + 8] - 1;
+    const double rounding_of_slopes = 5 * u * (double)c->inverse, rounding_of_drops = 5 * u * (double)last->drop;
+    double nearer = INFINITY,
+           lower = 0; /* slopes rise by this for a height of 1 at least, and fall by curvature at most */
+    for (; c < last; c++) {
+        nearer = lesser(nearer, (double)c[0].inverse - (double)c[1].inverse);
+        lower = greater(lower, (double)c[1].drop - (double)c[0].drop);
+    }
+    nearer -= rounding_of_slopes;
+    return nearer > 0 ? (float)greater((lower + rounding_of_drops) / nearer * (1 + 0x1p-20), ldexp(1, LEAST))
+                      : INFINITY;
 }
 
 cw_status cw_visible_make_ways(const cw_visible *v, ways *w) {
@@ -201,9 +261,13 @@ cw_status cw_visible_make_ways(const cw_visible *v, ways *w) {
     const size_t most = (size_t)rows, room = CROSSINGS_MOST * most + 1;
     w->crossing = large_allocate(room * sizeof *w->crossing);
     w->piece = large_allocate(room * sizeof *w->piece);
+    w->whole = large_allocate(room * sizeof *w->whole);
+    w->run = large_allocate((room / VISIBLE_RUN + 8) * sizeof *w->run);
+    w->sunk = large_allocate((most + 1) * sizeof *w->sunk);
     w->until = large_allocate((most + 1) * sizeof *w->until);
     w->entry = large_allocate((most + 1) * sizeof *w->entry);
-    if (w->crossing == NULL || w->piece == NULL || w->until == NULL || w->entry == NULL)
+    if (w->crossing == NULL || w->piece == NULL || w->whole == NULL || w->run == NULL || w->sunk == NULL ||
+        w->until == NULL || w->entry == NULL)
         return cw_fail_plainly(CW_ERROR_MEMORY);
     double last = 0;
     w->until[0] = 0;
@@ -228,5 +292,8 @@ cw_status cw_visible_make_ways(const cw_visible *v, ways *w) {
         w->until[k] = (uint32_t)w->crossings;
         w->entry[k] = column_at(v, (ptrdiff_t)row[count - 1].first[0]);
     }
+    add_areas(w);
+    for (size_t k = 0; k <= w->steps; k++)
+        w->sunk[k] = k > 0 && k + 8 <= w->steps && k + 8 <= EXACT_STEPS ? sunk_at(w, k) : INFINITY;
     return CW_OK;
 }

@@ -9,6 +9,8 @@
 #include "visible.h"
 #include "visible_job.h"
 
+#include <stdatomic.h>
+
 /* How far rounding can put a place on the ray off, as a part of the distance: as in heading.c. A place nearer to a sample than
  * that is the sample's. */
 #define PLACE_ROUNDING 0x1p-50
@@ -20,6 +22,9 @@ typedef struct ways {
     double drop;  /* of the ground, times the squared distance */
     visible_crossing *crossing;
     visible_piece *piece;
+    double *whole; /* this and the next two: of visible_job */
+    visible_run *run;
+    float *sunk;
     uint32_t *until;
     ptrdiff_t *entry;
     size_t steps, crossings;
@@ -37,9 +42,10 @@ struct cw_visible {
     size_t across, down;       /* columns and rows of the land */
     size_t before;             /* columns that stand before its first, so that eyes are in columns 0, every, … */
     ptrdiff_t segment, stride; /* columns of one remainder; a row */
-    float *memory, *bound_memory[VISIBLE_LEVELS];
-    size_t room, bound_room[VISIBLE_LEVELS];
-    double aside[2]; /* of the rays that the bounds are right for */
+    float *memory, *bound_memory[VISIBLE_LEVELS], *level_memory;
+    size_t room, bound_room[VISIBLE_LEVELS], level_room;
+    atomic_bool has_level; /* blocks */
+    double aside[2];       /* of the rays that the bounds are right for */
     bool bounded;
     ways ways;
 };
