@@ -3,8 +3,6 @@
  * rays takes more pieces. The caller never waits for a thread that has not begun: on a busy machine, or for a small
  * query, it does all of the work. */
 
-#include "pool.h"
-
 #include "cpus.h"
 #include "error.h"
 #include "process.h"

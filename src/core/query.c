@@ -4,7 +4,6 @@
 
 #include "field.h"
 #include "fpenv.h"
-#include "isa.h"
 #include "kernels.h"
 #include "run.h"
 

@@ -4,9 +4,7 @@
 #include "clock.h"
 #include "field.h"
 #include "fpenv.h"
-#include "isa.h"
 #include "kernels.h"
-#include "pool.h"
 #include "process.h"
 
 #include <pthread.h>

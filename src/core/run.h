@@ -29,7 +29,10 @@ cw_status cw_run_settle(cw_run *how, size_t n);
 /* Fails if the field lacks the structure of the kernel, which has been settled. */
 cw_status cw_run_built(const cw_field *field, const cw_run *how);
 
-/* cw_pool_share on the pool of how; if there is a watch, in pieces of at most most items also on one thread. If least is
+/* cw_pool_run in pieces of least to most items, the largest first, for work that is best done in pieces of different sizes. */
+void cw_pool_share(cw_pool *pool, size_t n, size_t least, size_t most, cw_work_fn *work, void *context);
+
+/* The same on the pool of how; if there is a watch, in pieces of at most most items also on one thread. If least is
  * less, items may take different times, and pieces are made smaller where they take long.
  * CW_ERROR_CANCELLED if that returned false. */
 CW_API cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw_work_fn *work, void *context);

@@ -17,10 +17,15 @@
 #ifndef CELLWALK_CORE_PYRAMID_H
 #define CELLWALK_CORE_PYRAMID_H
 
-#include "extent.h"
 #include "field.h"
 
 #include <math.h>
+
+/* Lowest and highest of samples of which some are holes. With a the sample, a hole compares false and drops out; compilers turn
+ * it into one instruction. */
+static inline float lower(float a, float b) { return a < b ? a : b; }
+static inline float higher(float a, float b) { return a > b ? a : b; }
+static inline size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
 enum { PYRAMID_LEVELS_MAX = 12, BRICK_FLOATS = 32 };
 

@@ -2,7 +2,7 @@
 /* CPU detection. CPUID says what the CPU has; XGETBV says whether the operating system saves the wider registers, which
  * CPUID alone does not (a kernel booted with noxsave, or a hypervisor that hides AVX-512 state). */
 
-#include "isa.h"
+#include "kernels.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>

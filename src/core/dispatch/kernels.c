@@ -2,7 +2,6 @@
 #include "kernels.h"
 
 #include "field.h"
-#include "isa.h"
 #include "run.h"
 
 #include <string.h>
