@@ -58,22 +58,6 @@ bool cw_isa_includes(cw_isa whole, cw_isa part) {
     return whole == part;
 }
 
-/* Detection and the environment give the same answer every time, so two threads that race here both write it. */
-static atomic_int machine = -1, most = -1;
-static atomic_int limit = CW_ISA_ANY;
-
-cw_isa cw_isa_machine(void) {
-    int m = atomic_load_explicit(&machine, memory_order_relaxed);
-    if (m < 0) {
-        m = (int)detect();
-#if defined(CELLWALK_EMULATES_AVX512) /* a test's build, whose kernels for AVX-512 need AVX2 alone */
-        if (m == CW_ISA_AVX2) m = CW_ISA_AVX512;
-#endif
-        atomic_store_explicit(&machine, m, memory_order_relaxed);
-    }
-    return (cw_isa)m;
-}
-
 /* The widest set that both include. CW_ISA_ANY, or a set that only a later version knows, includes all. */
 cw_isa cw_isa_common(cw_isa a, cw_isa b) {
     if (!is_set(b)) return a;
@@ -89,15 +73,22 @@ static cw_isa allowed(void) {
     return CW_ISA_ANY;
 }
 
+/* The widest set of the machine that the user allows; -1: not known yet. Detection and the environment give the same answer every
+ * time, so two threads that race here both write it. */
+static atomic_int most = -1;
+static atomic_int limit = CW_ISA_ANY;
+
 cw_isa cw_isa_best(void) {
     int m = atomic_load_explicit(&most, memory_order_relaxed);
     if (m < 0) {
-        m = (int)cw_isa_common(cw_isa_machine(), allowed());
+        cw_isa machine = detect();
+#if defined(CELLWALK_EMULATES_AVX512) /* a test's build, whose kernels for AVX-512 need AVX2 alone */
+        if (machine == CW_ISA_AVX2) machine = CW_ISA_AVX512;
+#endif
+        m = (int)cw_isa_common(machine, allowed());
         atomic_store_explicit(&most, m, memory_order_relaxed);
     }
     return cw_isa_common((cw_isa)m, (cw_isa)atomic_load_explicit(&limit, memory_order_relaxed));
 }
-
-bool cw_isa_allows(cw_isa isa) { return cw_isa_includes(cw_isa_best(), isa); }
 
 void cw_isa_limit(cw_isa isa) { atomic_store(&limit, (int)isa); }

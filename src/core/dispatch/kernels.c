@@ -64,7 +64,7 @@ void cw_kernel_describe_into(const cw_kernel *kernel, cw_kernel_info *info, size
         all.isa = k->isa;
         all.width = k->width;
         all.needs_build = k->build != NULL;
-        all.available = cw_isa_allows(k->isa);
+        all.available = cw_isa_includes(cw_isa_best(), k->isa);
         all.default_leaf = cw_kernel_default_leaf(k);
     }
     cw_fill(info, size, &all, sizeof all);

@@ -47,12 +47,8 @@ struct cw_kernel {
 /* The kernel that cw_kernel_find returns for an unknown name. */
 extern const cw_kernel cw_kernel_none;
 
-/* The widest instruction set of the machine itself, without any limit. */
-cw_isa cw_isa_machine(void);
-/* The widest set that both include; b may be CW_ISA_ANY. */
+/* The widest instruction set that both include; b may be CW_ISA_ANY. */
 cw_isa cw_isa_common(cw_isa a, cw_isa b);
-/* True if kernels for isa may run: it is included in cw_isa_best(). */
-bool cw_isa_allows(cw_isa isa);
 
 /* The best kernel for n rays within an instruction set. */
 const cw_kernel *cw_kernel_default(cw_isa isa, size_t n);
