@@ -25,20 +25,6 @@ CW_INLINE void rf_gather_quads(const float *base, int_reg index, mask_reg m, flo
     rf_load_quads(at, out);
 }
 
-/* By fours: transposes, of which minima are taken, and the minima of their quarters. */
-CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
-    for (int k = 0; k < 16; k += 4) {
-        float_reg r[4];
-        float low[W];
-        transpose(a + k, r);
-        rf_store(low, rf_min(rf_min(r[0], r[1]), rf_min(r[2], r[3])));
-        for (int c = 0; c < 4; c++) {
-            out[k + c] = low[c];
-            for (int h = 1; h < W / 4; h++) out[k + c] = low[4 * h + c] < out[k + c] ? low[4 * h + c] : out[k + c];
-        }
-    }
-}
-
 static inline float_reg rf_load_block(const float *row, ptrdiff_t step, size_t k) {
     const float *at[W / 4];
     for (size_t h = 0; h < W / 4; h++) at[h] = row + (ptrdiff_t)(k * (W / 4) + h) * step;

@@ -92,6 +92,19 @@ static inline float_reg rf_load_quarters(const float *const *at, size_t step) {
     return of_quarters(q);
 }
 
+#if W < 16
+/* Quarter q of r[k] to place 6 q + k. */
+static inline void store_quarters(float *to, const F32 r[6]) {
+    for (int k = 0; k < 6; k++) {
+        __m128 q[W / 4];
+        to_quarters(r[k], q);
+        for (int h = 0; h < W / 4; h++) _mm_storeu_ps(to + 24 * h + 4 * k, q[h]);
+    }
+}
+#else
+static inline void store_quarters(float *to, const F32 r[6]);
+#endif
+
 /* Each pair as one 8-byte load; shuffles then separate the two floats. CPUs that split a gather into dozens of
  * operations take less time for both vectors this way than for one gather. An integer load: _mm_load_sd would claim that a double
  * lies there, aligned. */
@@ -109,21 +122,32 @@ CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, flo
 }
 #endif
 
-/* Members in pairs of two; a hit is three pairs, two hits of a quarter are quarters of three registers. */
+/* Members in pairs of two; a hit is three pairs, four hits are quarters of six registers. */
 CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v, float_reg i, float_reg j,
                              mask_reg b) {
     enum { SECOND_FIRST = 0xaa & ((1 << W / 2) - 1) };
     const F32 whole_i = (F32)ri_from_rf(i).v, whole_j = (F32)ri_from_rf(j).v, in_b = (F32)ri_where(b, ri_set(1)).v;
+    F32 r[6];
     for (int half = 0; half < 2; half++) {
         const F64 ti = (F64)(half ? X(unpackhi_ps)(t.v, whole_i) : X(unpacklo_ps)(t.v, whole_i));
         const F64 jb = (F64)(half ? X(unpackhi_ps)(whole_j, in_b) : X(unpacklo_ps)(whole_j, in_b));
         const F64 uv = (F64)(half ? X(unpackhi_ps)(u.v, v.v) : X(unpacklo_ps)(u.v, v.v));
-        const F64 r[3] = {X(unpacklo_pd)(ti, jb), X(shuffle_pd)(uv, ti, SECOND_FIRST), X(unpackhi_pd)(jb, uv)};
-        for (int k = 0; k < 3; k++) {
-            __m128 quarter[W / 4];
-            to_quarters((F32)r[k], quarter);
-            for (int q = 0; q < W / 4; q++) _mm_storeu_ps((float *)(hits + 4 * q + 2 * half) + 4 * k, quarter[q]);
-        }
+        r[3 * half] = (F32)X(unpacklo_pd)(ti, jb);
+        r[3 * half + 1] = (F32)X(shuffle_pd)(uv, ti, SECOND_FIRST);
+        r[3 * half + 2] = (F32)X(unpackhi_pd)(jb, uv);
+    }
+    store_quarters((float *)hits, r);
+}
+
+/* By fours: transposes, of which minima are taken, and the minima of their quarters. */
+CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
+    for (int k = 0; k < 16; k += 4) {
+        float_reg r[4];
+        __m128 q[W / 4];
+        transpose(a + k, r);
+        to_quarters(rf_min(rf_min(r[0], r[1]), rf_min(r[2], r[3])).v, q);
+        for (int h = 1; h < W / 4; h++) q[0] = _mm_min_ps(q[0], q[h]);
+        _mm_storeu_ps(out + k, q[0]);
     }
 }
 

@@ -87,6 +87,16 @@ static inline __m512d emulated_i32gather_pd(__m256i index, const void *base) {
 #undef _mm512_i32gather_pd
 #define _mm512_i32gather_pd(index, base, scale) emulated_i32gather_pd(index, base)
 
+/* Quarters: two of a, then two of b. */
+static inline __m512 emulated_shuffle_f32x4(__m512 a, __m512 b, int which) {
+    float from[2][16], to[16];
+    _mm512_storeu_ps(from[0], a);
+    _mm512_storeu_ps(from[1], b);
+    for (int k = 0; k < 16; k++) to[k] = from[k / 8][4 * (which >> (k / 4 * 2) & 3) + k % 4];
+    return _mm512_loadu_ps(to);
+}
+#define _mm512_shuffle_f32x4 emulated_shuffle_f32x4
+
 static inline __m512d emulated_shuffle_pd(__m512d a, __m512d b, int which) {
     double from[2][8], to[8];
     _mm512_storeu_pd(from[0], a);
