@@ -20,12 +20,6 @@ static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) {
     return (float_reg){_mm256_fnmadd_ps(a.v, b.v, c.v)};
 }
 
-static inline mask_reg rf_lt(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)}; }
-static inline mask_reg rf_le(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)}; }
-static inline mask_reg rf_gt(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_GT_OQ)}; }
-static inline mask_reg rf_ge(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_GE_OQ)}; }
-static inline mask_reg rf_eq(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ)}; }
-
 static inline int_reg ri_shift_right(int_reg a, int_reg by) { return (int_reg){_mm256_srlv_epi32(a.v, by.v)}; }
 static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){_mm256_sllv_epi32(a.v, by.v)}; }
 static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
@@ -82,7 +76,5 @@ static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b
         _mm256_cvtepi32_epi64(k == 0 ? _mm256_castsi256_si128(bits) : _mm256_extracti128_si256(bits, 1));
     return (double_reg){_mm256_blendv_pd(b.v, a.v, _mm256_castsi256_pd(wide))};
 }
-
-#include "vec_lanes.h"
 
 #endif

@@ -115,6 +115,4 @@ static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b
     return (double_reg){_mm512_mask_blend_pd((__mmask8)(m.v >> 8 * k), b.v, a.v)};
 }
 
-#include "vec_lanes.h"
-
 #endif

@@ -25,9 +25,12 @@ typedef struct float_reg {
 typedef struct int_reg {
     int32x4_t v;
 } int_reg;
+typedef uint32x4_t lane_mask;
 typedef struct mask_reg {
-    uint32x4_t v;
+    lane_mask v;
 } mask_reg;
+
+#include "vec_lanes.h"
 
 static inline float_reg rf_set(float a) { return (float_reg){vdupq_n_f32(a)}; }
 static inline float_reg rf_load(const float *a) { return (float_reg){vld1q_f32(a)}; }
@@ -43,11 +46,6 @@ static inline float_reg rf_max(float_reg a, float_reg b) {
 static inline float_reg rf_abs(float_reg a) { return (float_reg){vabsq_f32(a.v)}; }
 static inline float_reg rf_floor(float_reg a) { return (float_reg){vrndmq_f32(a.v)}; }
 
-static inline mask_reg rf_lt(float_reg a, float_reg b) { return (mask_reg){vcltq_f32(a.v, b.v)}; }
-static inline mask_reg rf_le(float_reg a, float_reg b) { return (mask_reg){vcleq_f32(a.v, b.v)}; }
-static inline mask_reg rf_gt(float_reg a, float_reg b) { return (mask_reg){vcgtq_f32(a.v, b.v)}; }
-static inline mask_reg rf_ge(float_reg a, float_reg b) { return (mask_reg){vcgeq_f32(a.v, b.v)}; }
-static inline mask_reg rf_eq(float_reg a, float_reg b) { return (mask_reg){vceqq_f32(a.v, b.v)}; }
 static inline float_reg rf_select(mask_reg m, float_reg a, float_reg b) {
     return (float_reg){vbslq_f32(m.v, a.v, b.v)};
 }
@@ -61,7 +59,6 @@ static inline float_reg rf_from_ri(int_reg a) { return (float_reg){vcvtq_f32_s32
 static inline int_reg ri_load(const int32_t *a) { return (int_reg){vld1q_s32(a)}; }
 static inline int_reg ri_shift_right(int_reg a, int_reg by) { return (int_reg){vshlq_s32(a.v, vnegq_s32(by.v))}; }
 static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){vshlq_s32(a.v, by.v)}; }
-static inline mask_reg ri_eq(int_reg a, int_reg b) { return (mask_reg){vceqq_s32(a.v, b.v)}; }
 /* By bytes: those of entry k are 4 k to 4 k + 3. */
 static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
     const uint8x16x4_t bytes = {{vreinterpretq_u8_s32(vld1q_s32(table)), vreinterpretq_u8_s32(vld1q_s32(table + 4)),
@@ -71,20 +68,10 @@ static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
     return (int_reg){vreinterpretq_s32_u8(vqtbl4q_u8(bytes, vreinterpretq_u8_s32(at)))};
 }
 
-static inline int_reg ri_where(mask_reg m, int_reg a) { return (int_reg){vandq_s32(a.v, vreinterpretq_s32_u32(m.v))}; }
-static inline float_reg rf_flip(float_reg a, float_reg sign) {
-    return (float_reg){vreinterpretq_f32_u32(veorq_u32(vreinterpretq_u32_f32(a.v), vreinterpretq_u32_f32(sign.v)))};
-}
-static inline float_reg rf_power_of_2(int_reg k) {
-    return (float_reg){vreinterpretq_f32_s32(vshlq_n_s32(vaddq_s32(k.v, vdupq_n_s32(127)), 23))};
-}
-
-static inline mask_reg rm_and(mask_reg a, mask_reg b) { return (mask_reg){vandq_u32(a.v, b.v)}; }
-static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){vorrq_u32(a.v, b.v)}; }
-static inline mask_reg rm_xor(mask_reg a, mask_reg b) { return (mask_reg){veorq_u32(a.v, b.v)}; }
-static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){vbicq_u32(a.v, b.v)}; }
-static inline mask_reg rm_not(mask_reg a) { return (mask_reg){vmvnq_u32(a.v)}; }
-static inline mask_reg rm_set(bool a) { return (mask_reg){vdupq_n_u32(-(uint32_t)a)}; }
+static inline mask_reg rm_and(mask_reg a, mask_reg b) { return (mask_reg){a.v & b.v}; }
+static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){a.v | b.v}; }
+static inline mask_reg rm_xor(mask_reg a, mask_reg b) { return (mask_reg){a.v ^ b.v}; }
+static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){a.v & ~b.v}; }
 static inline mask_reg rm_from_bits(unsigned bits) {
     const uint32x4_t bit = {1, 2, 4, 8};
     return (mask_reg){vtstq_u32(vdupq_n_u32(bits), bit)};
@@ -97,9 +84,6 @@ static inline unsigned rm_bits(mask_reg a) {
 }
 
 /* Lanes taken out two at a time; those outside m as 0. */
-typedef struct lane_indices {
-    uint32_t k[4];
-} lane_indices;
 static inline lane_indices lanes_out(int_reg index, mask_reg m) {
     const int64x2_t pairs = vreinterpretq_s64_s32(ri_where(m, index).v);
     const int64_t low = vgetq_lane_s64(pairs, 0), high = vgetq_lane_s64(pairs, 1);
@@ -184,7 +168,5 @@ static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b
     const uint32x4_t twice = k == 0 ? vzip1q_u32(m.v, m.v) : vzip2q_u32(m.v, m.v);
     return (double_reg){vbslq_f64(vreinterpretq_u64_u32(twice), a.v, b.v)};
 }
-
-#include "vec_lanes.h"
 
 #endif

@@ -16,12 +16,6 @@
 static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) { return (float_reg){a.v * b.v + c.v}; }
 static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) { return (float_reg){c.v - a.v * b.v}; }
 
-static inline mask_reg rf_lt(float_reg a, float_reg b) { return (mask_reg){_mm_cmplt_ps(a.v, b.v)}; }
-static inline mask_reg rf_le(float_reg a, float_reg b) { return (mask_reg){_mm_cmple_ps(a.v, b.v)}; }
-static inline mask_reg rf_gt(float_reg a, float_reg b) { return (mask_reg){_mm_cmpgt_ps(a.v, b.v)}; }
-static inline mask_reg rf_ge(float_reg a, float_reg b) { return (mask_reg){_mm_cmpge_ps(a.v, b.v)}; }
-static inline mask_reg rf_eq(float_reg a, float_reg b) { return (mask_reg){_mm_cmpeq_ps(a.v, b.v)}; }
-
 /* SSE4.2 has no shift by a vector: times 2^by, put together as a float. */
 static inline int_reg ri_shift_left(int_reg a, int_reg by) {
     return (int_reg){_mm_mullo_epi32(a.v, _mm_cvttps_epi32(rf_power_of_2(by).v))};
@@ -67,7 +61,5 @@ static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b
     const __m128 twice = k == 0 ? _mm_unpacklo_ps(m.v, m.v) : _mm_unpackhi_ps(m.v, m.v);
     return (double_reg){_mm_blendv_pd(b.v, a.v, _mm_castps_pd(twice))};
 }
-
-#include "vec_lanes.h"
 
 #endif

@@ -21,13 +21,16 @@ typedef struct float_reg {
 typedef struct int_reg {
     I32 v;
 } int_reg;
+typedef LANE_MASK lane_mask;
 typedef struct mask_reg {
-    LANE_MASK v;
+    lane_mask v;
 } mask_reg;
 typedef struct double_reg {
     F64 v;
 } double_reg;
 #define DOUBLE_REGS 2
+
+#include "vec_lanes.h"
 
 static inline float_reg rf_set(float a) { return (float_reg){X(set1_ps)(a)}; }
 static inline float_reg rf_load(const float *a) { return (float_reg){X(loadu_ps)(a)}; }
@@ -35,11 +38,7 @@ static inline void rf_store(float *to, float_reg a) { X(storeu_ps)(to, a.v); }
 static inline float_reg rf_min(float_reg a, float_reg b) { return (float_reg){X(min_ps)(a.v, b.v)}; }
 static inline float_reg rf_max(float_reg a, float_reg b) { return (float_reg){X(max_ps)(a.v, b.v)}; }
 static inline float_reg rf_floor(float_reg a) { return (float_reg){X(floor_ps)(a.v)}; }
-static inline float_reg rf_flip(float_reg a, float_reg sign) { return (float_reg){X(xor_ps)(a.v, sign.v)}; }
 static inline float_reg rf_from_ri(int_reg a) { return (float_reg){X(cvtepi32_ps)(a.v)}; }
-static inline float_reg rf_power_of_2(int_reg k) {
-    return (float_reg){(F32)X(slli_epi32)(X(add_epi32)(k.v, X(set1_epi32)(127)), 23)};
-}
 static inline int_reg ri_set(int32_t a) { return (int_reg){X(set1_epi32)(a)}; }
 static inline int_reg ri_load(const int32_t *a) { return (int_reg){X_INT(loadu)((const I32 *)a)}; }
 static inline void ri_store(int32_t *to, int_reg a) { X_INT(storeu)((I32 *)to, a.v); }
@@ -65,24 +64,15 @@ static inline float_reg rf_select(mask_reg m, float_reg a, float_reg b) {
 static inline int_reg ri_select(mask_reg m, int_reg a, int_reg b) {
     return (int_reg){X(blendv_epi8)(b.v, a.v, (I32)m.v)};
 }
-static inline int_reg ri_where(mask_reg m, int_reg a) { return (int_reg){X_INT(and)(a.v, (I32)m.v)}; }
-static inline mask_reg ri_eq(int_reg a, int_reg b) { return (mask_reg){(F32)X(cmpeq_epi32)(a.v, b.v)}; }
 static inline mask_reg rm_and(mask_reg a, mask_reg b) { return (mask_reg){X(and_ps)(a.v, b.v)}; }
 static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){X(or_ps)(a.v, b.v)}; }
 static inline mask_reg rm_xor(mask_reg a, mask_reg b) { return (mask_reg){X(xor_ps)(a.v, b.v)}; }
 static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){X(andnot_ps)(b.v, a.v)}; }
-static inline mask_reg rm_set(bool a) { return (mask_reg){(F32)X(set1_epi32)(-(int32_t)a)}; }
-static inline mask_reg rm_not(mask_reg a) { return rm_xor(a, rm_set(true)); }
 static inline bool rm_any(mask_reg a) { return X(movemask_ps)(a.v) != 0; }
 static inline unsigned rm_bits(mask_reg a) { return (unsigned)X(movemask_ps)(a.v); }
 #endif
 
-/* See vec_lanes.h. Quarters are registers too. */
-typedef struct lane_indices {
-    uint32_t k[W];
-} lane_indices;
-static inline lane_indices lanes_out(int_reg index, mask_reg m);
-static inline int_reg ri_where(mask_reg m, int_reg a);
+/* Quarters are registers too. */
 static inline float_reg of_quarters(const __m128 q[W / 4]);
 static inline void to_quarters(F32 r, __m128 q[W / 4]);
 
