@@ -33,7 +33,7 @@ typedef struct one_children {
 /* Of the children of node number n along an axis. Whole numbers, which nothing rounds; what depends on n comes last. */
 CW_INLINE vfloat low_corners(const one_lanes *a, int axis, int32_t n, const float *lanes, vfloat side) {
     const vfloat first = vf_mul(vf_sub(vf_load(lanes), vf_set(a->shift[axis])), side);
-    return vf_fma(vf_set((float)(4 * n)), vf_mul(vf_set(a->sign[axis]), side), first);
+    return vf_add(vf_mul(vf_set((float)(4 * n)), vf_mul(vf_set(a->sign[axis]), side)), first);
 }
 
 CW_INLINE one_children children_of(const one_lanes *a, int32_t x, int32_t y, float side, size_t k) {

@@ -28,10 +28,10 @@ endif()
 foreach(pattern IN LISTS none)
     file(STRINGS ${LOG} found REGEX "${pattern}")
     if(found)
-        # The emulator's disassembler reads in chunks: an instruction cut in two is shown as bytes, and the line after them
-        # starts in its middle. Such a line is no instruction of the program.
+        # The emulator's disassembler reads in chunks: an instruction cut in two is shown as bytes, and lines after them start in
+        # the middle of one. Up to the end of the block they need not be instructions of the program.
         file(READ ${LOG} text)
-        string(REGEX REPLACE "[.]byte[^\n]*\n0x[^\n]*" "" text "${text}")
+        string(REGEX REPLACE "[.]byte[^\n]*(\n0x[^\n]*)*" "" text "${text}")
         file(WRITE ${LOG}.whole "${text}")
         file(STRINGS ${LOG}.whole found REGEX "${pattern}" LIMIT_COUNT 5)
         file(REMOVE ${LOG}.whole)
