@@ -16,8 +16,8 @@ enum { SHARED = 1024 };
 enum { BLOCK = 512 };
 
 /* The best walks for few rays: of one; of at most FEW_LANES and of more, all short by a guess; of more than FEW_ALONE, or of one that takes
- * long. */
-enum { FEW_LANES = 4, FEW_ALONE = 4 };
+ * long. In a field of more than FEW_LARGE samples, beyond the caches, one ray fewer: lanes wait for memory together. */
+enum { FEW_LANES = 4, FEW_ALONE = 4, FEW_LARGE = 1 << 22 };
 typedef struct few_walks {
     cw_one_fn *one;
     cw_short_fn *if_short[2];
@@ -45,7 +45,8 @@ static inline void trace_few(cw_isa isa, const cw_field *field, const cw_ray *ra
         cw_short_fn *const if_short = w->if_short[n > FEW_LANES];
         if (if_short && if_short(field, rays, n, hits, occluded)) return;
     }
-    if (n <= FEW_ALONE && cw_one(field, w->one, rays, n, hits, occluded)) return;
+    const size_t alone = FEW_ALONE - (field->nx * field->ny > FEW_LARGE);
+    if (n <= alone && cw_one(field, w->one, rays, n, hits, occluded)) return;
     w->others->trace[CW_LEAF_WATERTIGHT](field, rays, n, hits, occluded);
 }
 
