@@ -237,7 +237,7 @@ static int measure(const char *as, const char *name, measure_options *o, const c
 /* clang-format on */
 
 static const char what[] =
-    "Runs a plan: a file, or one that ships (release, speed, first, single, beside, tradeoff, scenes). "
+    "Runs a plan: a file, or one that ships (release, speed, first, single, tradeoff, scenes). "
     "Each of its lines is \"FIELD/WORK CONTENDERS METRICS\", with commas in lists and # "
     "before comments; a fourth word names instruction sets:\n\n"
     "  257,1025/primary  default,embree               time\n"
