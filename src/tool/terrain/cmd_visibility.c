@@ -73,7 +73,7 @@ static double turned_bytes(const visibility_command *c) {
     enum { MARGINS = 80 };
     const terrain *t = &c->product.ground.whole;
     const double least = fmin((double)t->nx, (double)t->ny), most = fmax((double)t->nx, (double)t->ny);
-    return 5 * (1 + MARGINS * fmin(c->every, most) / least);
+    return 5.5 * (1 + MARGINS * fmin(c->every, most) / least);
 }
 
 static bool begin(product *p, io_error *error) {
