@@ -288,7 +288,7 @@ typedef struct cw_hit {
 } cw_hit;
 
 /* The closest hit of each of n rays (n may be 0). rays and hits must not overlap. The answer for a ray does not
- * depend on the others, its place in the array or the number of threads. With AVX-512 one ray a call costs 1.4 to 13 times
+ * depend on the others, its place in the array or the number of threads. With AVX-512 one ray a call costs 2 to 12 times
  * as much as one of a call of 64, most where rays are alike (`cellwalk-bench measure single`). Fails with
  * CW_ERROR_ARGUMENT, _BUSY during an update without wait, or _CANCELLED; with a watch also _MEMORY. */
 CW_API cw_status cw_closest(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits);
