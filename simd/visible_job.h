@@ -11,8 +11,7 @@
 #include "cellwalk_expert.h"
 
 /* Eyes are walked from in groups of so many columns. A ray may read so many columns beyond the land: they are holes. Bounds are
- * made of 8 rows, and of 64. Areas are summed over runs of so many crossings at
- * most. */
+ * made of 8 rows, and of 64. Areas are summed over runs of VISIBLE_RUN pieces at most. */
 enum { VISIBLE_GROUP = 16, VISIBLE_MARGIN = 32, VISIBLE_LEVELS = 2, VISIBLE_RUN = 128 };
 static inline int visible_shift(int level) { return 3 * (level + 1); }
 
@@ -31,7 +30,7 @@ typedef struct visible_piece {
     float length, twice; /* its length and twice its end, times the run's scale */
 } visible_piece;
 
-/* Areas of pieces are integers of units, powers of 2 that become greater with the distance. */
+/* Pieces that lie together, from the eye on. Their areas are whole numbers of a unit, a power of 4 that grows with the distance. */
 typedef struct visible_run {
     double unit;
     float scale, inverse; /* 1 / sqrt(unit), and 1 / scale */
@@ -48,16 +47,14 @@ typedef struct visible_job {
     /* Of each block of rows, where a ray enters it in a given column: at least as high as all samples that the ray reads in it.
      * -infinity: there are none. */
     float *bound[VISIBLE_LEVELS];
-    /* Of each block of 8 rows likewise: the height of all samples that the ray reads in it, if they stand equally high, otherwise
-     * NaN. */
+    /* Of each block of 8 rows, found in the same way: the height of all samples that the ray reads in it, or NaN if they differ. */
     const float *level;
 
     const visible_crossing *crossing; /* in the order of their distances */
     const visible_piece *piece;
-    const visible_run *run; /* of at most VISIBLE_RUN pieces each, from the eye on */
+    const visible_run *run; /* the first */
     const double *whole;    /* areas of all pieces up to a crossing if they are in sight, as the kernel sums them */
-    const float
-        *sunk; /* level ground that begins at row k of the ray rises from crossing to crossing if it lies lower */
+    const float *sunk; /* how far below the eye level ground from row k of the ray on must lie to be seen as a whole */
     const uint32_t *until;  /* number of crossings up to row k of the ray, that row's included */
     const ptrdiff_t *entry; /* the column in which the ray crosses row k, as a distance in memory */
     size_t steps;           /* rows that the ray goes through at most */
@@ -76,7 +73,7 @@ typedef void visible_walk_fn(const visible_job *job, ptrdiff_t eyes, size_t row,
                              float *area, float *farthest);
 
 /* The greatest and the least numbers of a row, width of them, seen from offsets at[0] to at[count - 1]: high[k] becomes the greatest
- * of high[k] and from[k + at[n]], NaN left out; low[k], if not NULL, the least likewise, NaN taken for -infinity. */
+ * of high[k] and from[k + at[n]], NaN left out. Unless low is NULL, low[k] becomes the least of both, where NaN is -infinity. */
 typedef void visible_bound_fn(float *high, float *low, const float *from, const ptrdiff_t *at, size_t count,
                               size_t width);
 

@@ -133,9 +133,9 @@ CW_INLINE vmask block_is_high(const visible_job *job, ptrdiff_t eyes, size_t row
     return vf_gt(vf_sub(most, vf_set(near->drop)), l->steepest);
 }
 
-/* A lake: true if each lane sees all of the block of 8 rows, which is level, or nothing (high: it may see some). Then what it sees
- * is added as scan() adds it. Over level ground slopes rise strictly from crossing to crossing if the eye stands high enough over it
- * (papers/numerics.md), also from the one at which the block begins. So all of it is in sight if that one is. */
+/* Adds a block of 8 rows of level ground, such as a lake, as scan() adds it, if each lane sees all of it or nothing; otherwise false.
+ * high: the lanes that may see some of it. Over level ground slopes rise strictly from crossing to crossing if the eye stands high
+ * enough over it (papers/numerics.md). So if the crossing at which the block begins is in sight, all of the block is. */
 CW_INLINE bool add_level(const visible_job *job, ptrdiff_t eyes, size_t row, size_t k, vmask high, lanes *l,
                          unsigned look) {
     const float *level = job->level + (ptrdiff_t)((row + k) >> visible_shift(0)) * job->stride + eyes + job->entry[k];
@@ -246,14 +246,17 @@ static void walk_group(const visible_job *job, ptrdiff_t eyes, size_t row, size_
 
 static void bound_row(float *high, float *low, const float *from, const ptrdiff_t *at, size_t count, size_t width) {
     for (size_t k = 0; k < width; k += LANES) {
-        vfloat most = vf_load(high + k), least = vf_load(low ? low + k : high + k);
+        vfloat most = vf_load(high + k);
+        for (size_t n = 0; n < count; n++) most = vf_max(vf_load(from + (ptrdiff_t)k + at[n]), most);
+        vf_store(high + k, most);
+    }
+    for (size_t k = 0; low && k < width; k += LANES) {
+        vfloat least = vf_load(low + k);
         for (size_t n = 0; n < count; n++) {
             const vfloat z = vf_load(from + (ptrdiff_t)k + at[n]);
-            most = vf_max(z, most);
             least = vf_min(vf_select(vf_eq(z, z), z, vf_set(-INFINITY)), least);
         }
-        vf_store(high + k, most);
-        if (low) vf_store(low + k, least);
+        vf_store(low + k, least);
     }
 }
 

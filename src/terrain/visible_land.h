@@ -22,7 +22,7 @@ typedef struct ways {
     double drop;  /* of the ground, times the squared distance */
     visible_crossing *crossing;
     visible_piece *piece;
-    double *whole; /* this and the next two: of visible_job */
+    double *whole; /* whole, run and sunk are those of visible_job */
     visible_run *run;
     float *sunk;
     uint32_t *until;
