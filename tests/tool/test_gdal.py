@@ -40,8 +40,12 @@ def test_pipes_are_refused():
     os.symlink("/dev/zero", "zero.tif")
     hide("source.vrt", "pipe")
     hide("inner.vrt", "source.vrt")
+    hide("zipped.vrt", "/vsigzip/pipe")
     for name, why in [("link.tif", "not a regular file"), ("source.vrt", "pipe is not a regular file"), ("inner.vrt", "pipe is not a regular file"),
-                      ("zero.tif", "not a regular file"), ("/vsistdin/", "cannot read")]:
+                      ("zipped.vrt", "/vsigzip/pipe is not a regular file"), ("zero.tif", "not a regular file"), ("/vsistdin/", "cannot read"),
+                      ("/vsigzip/pipe", "not a regular file"), ("/vsigzip//vsistdin/", "not a regular file"),
+                      ("/vsizip/pipe/a.tif", "not a regular file"), ("/vsisubfile/0_99,pipe", "not a regular file"),
+                      ("GTIFF_DIR:1:pipe", "not a regular file"), ('NETCDF:"pipe":z', "not a regular file")]:
         is_refused(why, "info", name)
 
 

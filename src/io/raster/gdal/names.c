@@ -8,6 +8,7 @@
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
+#include <limits.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -29,10 +30,34 @@ static bool is_text(const char *path) {
     return (start[0] == '{' || strchr(path, '<') != NULL) && !is_file(path);
 }
 
-bool gdal_waits(const char *path) {
+/* Whether the file of a path, or what stands in the place of one of its folders, is neither a regular file nor a folder. */
+static bool is_special(char *path) {
     struct stat about;
-    return strncmp(path, "/vsistd", 7) == 0 ||
-           (stat(path, &about) == 0 && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode));
+    while (stat(path, &about) != 0) {
+        char *slash = strrchr(path, '/');
+        if (slash == NULL || slash == path) return false;
+        *slash = '\0';
+    }
+    return !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode);
+}
+
+/* A name may hold that of another file: /vsigzip/FILE, /vsisubfile/0_9,FILE, GTIFF_DIR:1:FILE, NETCDF:"FILE":z. Each of its words is
+ * tried as a file, without the prefixes /vsi.../ before it. */
+bool gdal_waits(const char *name) {
+    static const char marks[] = "\":,;=?&{}";
+    char file[PATH_MAX];
+    struct stat about;
+    if (stat(name, &about) == 0) return !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode);
+    for (const char *at = name + strspn(name, marks), *end; *at != '\0'; at = end + strspn(end, marks)) {
+        end = at + strcspn(at, marks);
+        while (at < end && strncmp(at, "/vsi", 4) == 0) {
+            if (strncmp(at, "/vsistd", 7) == 0) return true;
+            const char *slash = memchr(at + 1, '/', (size_t)(end - at - 1));
+            at = slash != NULL ? slash + 1 : end;
+        }
+        if (snprintf(file, sizeof file, "%.*s", (int)(end - at), at) < PATH_MAX && is_special(file)) return true;
+    }
+    return false;
 }
 
 /* The names of drivers that may open path: all except MEM and the two that open the names within a name. */
