@@ -13,13 +13,15 @@
 typedef struct png_state {
     png_structp png;
     png_infop info;
-    const char *name, *problem;
+    const char *name;
+    char problem[200];
     unsigned char *grey;
 } png_state;
 
 static void on_error(png_structp png, png_const_charp text) {
     png_state *s = png_get_error_ptr(png);
-    s->problem = errno != 0 ? strerror(errno) : text; /* of a file libpng says only that it failed */
+    /* Of a file libpng says only that it failed. Its text may lie on the stack that the jump leaves. */
+    snprintf(s->problem, sizeof s->problem, "%s", errno != 0 ? strerror(errno) : text);
     png_longjmp(png, 1);
 }
 
