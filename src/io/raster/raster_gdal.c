@@ -28,7 +28,7 @@ static bool is_beside(const char *file, const char *way, char path[PATH_MAX]) {
 
 /* Where the module may lie: where CELLWALK_MODULES says; beside the shared object that this code is in, as in Python's
  * package; beside the program, as it is built; and where it is installed, a way from the program's folder that moves with it.
- * Elsewhere than on Linux the program is not known. */
+ * Without Linux's /proc the program is not known. */
 static bool find_module(char path[PATH_MAX]) {
     static const char here;
     char program[PATH_MAX] = "";
@@ -36,7 +36,7 @@ static bool find_module(char path[PATH_MAX]) {
     if (given != NULL)
         return snprintf(path, PATH_MAX, "%s/%s", given, module_name) < PATH_MAX && access(path, R_OK) == 0;
 #if CELLWALK_LINUX
-    if (readlink("/proc/self/exe", program, sizeof program - 1) < 0) return false;
+    if (readlink("/proc/self/exe", program, sizeof program - 1) < 0) program[0] = '\0'; /* no /proc here */
 #endif
     Dl_info object;
     return (dladdr(&here, &object) != 0 && is_beside(object.dli_fname, "", path)) || is_beside(program, "", path) ||
