@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What each reader makes of the input as a file, READER being one of the table below; all that can be read is looked at. */
+/* Gives the input as a file to the reader that READER names, and uses all that was read. */
 
 #include "image.h"
 #include "npy.h"
