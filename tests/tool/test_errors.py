@@ -4,11 +4,12 @@ import os
 import re
 import signal
 import subprocess
+import sys
 
 import numpy as np
 import pytest
-from program import (end, entries, interrupted, only_hidden, kernels, needs_room, npy, rays, read, refused, run, shell, start, wait_for_input,
-                     wait_for_output, write)
+from program import (PROGRAM, end, entries, interrupted, only_hidden, kernels, needs_room, npy, rays, read, refused, run, shell, start,
+                     wait_for_input, wait_for_output, write)
 
 TRACE = "trace", "field.npy", "rays.npy"
 LONG = *TRACE, "-o", "hits.npy", "--repeat", 1000000
@@ -250,7 +251,7 @@ def test_interruptions_leave_nothing(number):
 
 @pytest.fixture
 def minutes():
-    """A query by brute force that takes so long, and does not look whether it is told to stop."""
+    """A query by brute force that takes so long."""
     np.save("large.npy", np.zeros((1000, 1000), np.float32))
     rays("many.npy", np.tile([5.5, 5, 1], (100000, 1)))
     return "trace", "large.npy", "many.npy", "-o", "hits.npy", "--kernel", "brute"
@@ -264,8 +265,29 @@ def test_a_second_interruption_is_the_end(minutes):
     interrupted(*minutes, signals=[signal.SIGINT, signal.SIGTERM])
 
 
+CONTAINER = """
+import ctypes, os, signal, sys, time
+if ctypes.CDLL(None).unshare(0x30000000) != 0:  # CLONE_NEWUSER and CLONE_NEWPID
+    sys.exit("no namespaces")
+process = os.spawnv(os.P_NOWAIT, sys.argv[1], sys.argv[1:])
+while not any(name.endswith(".tmp") for name in os.listdir()):
+    time.sleep(0.01)
+os.kill(process, signal.SIGINT)
+sys.exit(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]))
+"""
+
+
+def test_the_first_process_of_a_container_ends_too(minutes):
+    """The system keeps a signal from it that it sends to itself."""
+    before = entries()
+    done = subprocess.run([sys.executable, "-c", CONTAINER, PROGRAM, *minutes], stderr=subprocess.PIPE, text=True)
+    if "no namespaces" in done.stderr:
+        pytest.skip("no namespaces")
+    assert done.returncode == 128 + signal.SIGINT and done.stderr == "cellwalk: interrupted\n" and entries() == before
+
+
 def test_interruptions_while_reading():
-    """Nor does it look while it reads, here four million numbers of many digits."""
+    """Here four million numbers of many digits."""
     write("text.asc", "ncols 2000\nnrows 2000\ncellsize 1\n" + "1.2345678901234567890123456789 " * 4000000)
     process = start("info", "text.asc")
     wait_for_input(process, "text.asc")
