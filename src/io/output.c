@@ -34,9 +34,10 @@ static bool take(struct slot *s, int next) {
     return s->process == getpid() && atomic_compare_exchange_strong(&s->state, &expected, next);
 }
 
+/* Also what is GONE: a handler that a second signal interrupts may not have removed it yet, and the second ends the process. */
 void io_output_discard_all(void) {
-    for (int k = 0; k < IO_OUTPUT_MAX; k++)
-        if (take(&slots[k], GONE)) unlink(slots[k].temporary);
+    for (struct slot *s = slots; s < slots + IO_OUTPUT_MAX; s++)
+        if (take(s, GONE) || (s->process == getpid() && atomic_load(&s->state) == GONE)) unlink(s->temporary);
 }
 
 static bool claim(io_output *out) {
