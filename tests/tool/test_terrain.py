@@ -157,6 +157,11 @@ def test_shadow_falls_to_the_south():
     assert lit[19, 0] == 1 and lit[21, 0] == 0
 
 
+@pytest.mark.parametrize("date, rows", [("0999", 12), ("0999-02", 28), ("2024-02", 29), ("9999", 12)])
+def test_months_and_years(wall, date, rows):
+    assert well("sun", "wall.npy", *MAP, "--lon-lat", "9,47", "--date", date, "--step", "6h", "--at", "5,5").out.count("\n") == 1 + rows
+
+
 # ---- refusals -----------------------------------------------------------------------------------------------------------
 
 REFUSED = [

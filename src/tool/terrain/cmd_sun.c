@@ -162,12 +162,13 @@ static void end(void *context) {
 /* The midnights of UTC that begin the first and the last day of a day, a month or a year: 2024-06-21, 2024-06, 2024. */
 static bool read_days(const char *text, double *first, double *last) {
     const size_t length = strlen(text);
-    char whole[32];
+    char whole[40];
     snprintf(whole, sizeof whole, "%.10s%sT00:00Z", text, length == 4 ? "-01-01" : length == 7 ? "-01" : "");
     if ((length != 4 && length != 7 && length != 10) || !cw_sun_parse_time(whole, first)) return false;
     for (*last = *first;; *last += day) {
         const time_t next = (time_t)(*last + day);
-        strftime(whole, sizeof whole, "%Y-%m-%d", gmtime(&next));
+        const struct tm *date = gmtime(&next);
+        snprintf(whole, sizeof whole, "%04d-%02d-%02d", date->tm_year + 1900, date->tm_mon + 1, date->tm_mday);
         if (strncmp(whole, text, length) != 0) return true;
     }
 }
