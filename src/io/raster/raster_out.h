@@ -34,9 +34,6 @@ typedef struct io_raster_product {
     /* GDAL's creation options as "NAME=VALUE"; they replace the program's own. */
     const char *const *creation;
     size_t creation_count;
-    /* NULL, or called while io_raster_commit works. False ends it with the error "interrupted". */
-    bool (*go_on)(void *context);
-    void *go_on_context;
 } io_raster_product;
 
 typedef struct io_raster_window {

@@ -16,8 +16,6 @@ struct io_gdal_target {
     char *name;
     char *path_of_cog; /* the GeoTIFF's, if that is a copy of this file; NULL: none */
     char **cog_options;
-    bool (*go_on)(void *context);
-    void *go_on_context;
     size_t nx, ny, tile_rows;
     GDALDataType type;
     bool failed;
@@ -91,9 +89,7 @@ io_gdal_target *gdal_create(const char *path, const char *full, const char *name
                           .nx = p->nx,
                           .ny = p->ny,
                           .tile_rows = io_raster_tile_side(p->ny),
-                          .type = type_of(p->cell),
-                          .go_on = p->go_on,
-                          .go_on_context = p->go_on_context};
+                          .type = type_of(p->cell)};
     const bool named = (t->name && (t->path_of_cog || !full)) || io_fail(error, "%s: out of memory", name);
     if (named && create(t, full ? full : path, p, error)) {
         if (full) t->cog_options = gdal_cog_options(p);
@@ -119,15 +115,6 @@ bool gdal_write(io_gdal_target *t, size_t band, const io_raster_window *w, const
     return fail_write(t, error);
 }
 
-static int CPL_STDCALL goes_on(double share, const char *message, void *context) {
-    const io_gdal_target *t = context;
-    (void)share, (void)message;
-    gdal_streams(true);
-    const bool on = t->go_on == NULL || t->go_on(t->go_on_context);
-    gdal_streams(false);
-    return on;
-}
-
 /* Whether GDAL has complained since CPLErrorReset. */
 static bool has_failed(void) { return CPLGetLastErrorType() >= CE_Failure || gdal_thread_failed(); }
 
@@ -143,10 +130,9 @@ static bool copy_to_cog(io_gdal_target *t, io_error *error) {
     CPLErrorReset();
     CPLPushErrorHandlerEx(keep_error, first);
     GDALDatasetH copy =
-        GDALCreateCopy(GDALGetDriverByName("COG"), t->path_of_cog, t->file, FALSE, t->cog_options, goes_on, t);
+        GDALCreateCopy(GDALGetDriverByName("COG"), t->path_of_cog, t->file, FALSE, t->cog_options, NULL, NULL);
     if (copy != NULL) GDALClose(copy);
     CPLPopErrorHandler();
-    if (copy == NULL && !goes_on(1, NULL, t)) return io_fail(error, "interrupted");
     if (first[0] != '\0' && !has_failed()) CPLError(CE_Failure, CPLE_AppDefined, "%s", first);
     return (copy != NULL && !has_failed()) || fail_write(t, error);
 }
