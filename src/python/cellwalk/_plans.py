@@ -317,10 +317,10 @@ def limits_of(site: Site, target_height, max_distance, min_distance, azimuth, ve
 
 _KINDS = ("seen", "weights", "angle", "needed", "needed_absolute")
 VIEWS = {"seen": ("viewshed", {"long_name": "number of observers that see it"}),
-          "weights": ("viewshed", {"long_name": "sum of the weights of the observers that see it"}),
-          "angle": ("viewshed_angle", {"long_name": "angle of the target above the eye's horizontal", "units": "degrees"}),
-          "needed": ("needed_height", {"long_name": "height above ground needed to be seen", "units": "m"}),
-          "needed_absolute": ("needed_height", {"long_name": "height needed to be seen", "units": "m"})}
+         "weights": ("viewshed", {"long_name": "sum of the weights of the observers that see it"}),
+         "angle": ("viewshed_angle", {"long_name": "angle of the target above the eye's horizontal", "units": "degrees"}),
+         "needed": ("needed_height", {"long_name": "height above ground needed to be seen", "units": "m"}),
+         "needed_absolute": ("needed_height", {"long_name": "height needed to be seen", "units": "m"})}
 
 
 def viewshed(spots: np.ndarray, limits: dict[str, float], kind: str, bands: bool) -> Plan:
