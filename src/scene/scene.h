@@ -7,8 +7,6 @@
 #include "image.h"
 #include "io_error.h"
 
-#include <stdatomic.h>
-
 typedef struct scene scene;
 
 /* Reads a scene with all that it includes. NULL on failure, with file, line and directive in error. Directives that were
@@ -53,8 +51,7 @@ typedef struct scene_render_options {
     /* Phong normals on height fields instead of the triangles' own: of vertices, the sums of the area-weighted normals of their
      * triangles, interpolated barycentrically. */
     bool phong;
-    bool general;              /* for tests: leave nothing out that the scene does not require */
-    const atomic_bool *cancel; /* NULL, or stops the rendering soon after it turns true */
+    bool general; /* for tests: leave nothing out that the scene does not require */
     /* NULL, or told the share done in [0, 1], from one thread at a time. */
     void (*progress)(void *context, double done);
     void *progress_context;
@@ -73,8 +70,8 @@ typedef struct scene_render_stats {
 } scene_render_stats;
 
 /* Renders into image, which is allocated here. The picture depends neither on the number of threads nor on the kernel or
- * the instruction set. False, with error, when out of memory, on a kernel's refusal, on a crop that is empty or reaches
- * out of the picture, or with the text "cancelled". stats may be NULL. */
+ * the instruction set. False, with error, when out of memory, on a kernel's refusal, or on a crop that is empty or reaches
+ * out of the picture. stats may be NULL. */
 bool scene_render(const scene *s, const scene_render_options *options, io_image *image, scene_render_stats *stats,
                   io_error *error);
 

@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,7 +22,6 @@ typedef struct render {
     wave_tile_fn *tile;
     size_t first_x, first_y, tiles_x, tiles; /* tiles are counted from (first_x, first_y), the first one's corner */
     atomic_size_t next;
-    atomic_bool stopped;
     pthread_mutex_t lock; /* of done and progress */
     size_t done;
 } render;
@@ -83,12 +83,10 @@ static void *work(void *context) {
     render *r = me->job;
     for (;;) {
         const size_t tile = atomic_fetch_add(&r->next, 1);
-        if (tile >= r->tiles || atomic_load(&r->stopped)) return NULL;
+        if (tile >= r->tiles) return NULL;
         const size_t x = r->first_x + tile % r->tiles_x * WAVE_TILE, y = r->first_y + tile / r->tiles_x * WAVE_TILE;
-        if (r->tile(me->wave, x, y, &r->region, r->options->cancel, r->image))
-            report(r);
-        else
-            atomic_store(&r->stopped, true);
+        r->tile(me->wave, x, y, &r->region, r->image);
+        report(r);
     }
 }
 
@@ -126,8 +124,7 @@ static bool render_with(render *r, const scene_tracer *tracer, unsigned threads,
         wave_free(workers[k].wave);
     }
     free(workers);
-    if (!good) return io_fail(error, "out of memory");
-    return !atomic_load(&r->stopped) || io_fail(error, "cancelled");
+    return good || io_fail(error, "out of memory");
 }
 
 /* The code for the widest instruction set that there is. The last tile is scalar. */

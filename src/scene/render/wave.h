@@ -163,9 +163,7 @@ typedef struct wave_region {
 } wave_region;
 
 /* Renders the part of the tile at (x, y) that lies in the region, of which image is the picture; x and y are
- * multiples of WAVE_TILE. False if cancel turned true. There is one such function for each instruction set, all from
- * wave_tile.c. */
-typedef bool wave_tile_fn(wave *w, size_t x, size_t y, const wave_region *region, const atomic_bool *cancel,
-                          io_image *image);
+ * multiples of WAVE_TILE. There is one such function for each instruction set, all from wave_tile.c. */
+typedef void wave_tile_fn(wave *w, size_t x, size_t y, const wave_region *region, io_image *image);
 
 #endif

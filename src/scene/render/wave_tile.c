@@ -51,18 +51,16 @@ static void put_pixels(wave *w, size_t x, size_t y, const wave_region *region, i
 }
 
 wave_tile_fn CELLWALK_TILE;
-bool CELLWALK_TILE(wave *w, size_t x, size_t y, const wave_region *region, const atomic_bool *cancel, io_image *image) {
+void CELLWALK_TILE(wave *w, size_t x, size_t y, const wave_region *region, io_image *image) {
     memset(w->sum, 0, sizeof w->sum);
     wave_lap(w, WAVE_FILM);
     /* A tile's samples are divided into the same waves for any region, so that a pixel's sum is made in the same
      * order. */
     for (uint32_t first = 0; first < w->plan->samples; first += WAVE_SAMPLES) {
-        if (cancel != NULL && atomic_load_explicit(cancel, memory_order_relaxed)) return false;
         const uint32_t left = w->plan->samples - first;
         camera_rays(w, x, y, region, first, left < WAVE_SAMPLES ? left : WAVE_SAMPLES);
         run_waves(w);
     }
     put_pixels(w, x, y, region, image);
     wave_lap(w, WAVE_FILM);
-    return true;
 }
