@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A watch sees growing shares of each call up to all of it, from one thread at a time, and ends the call wherever it says so. Products
- * of terrain are in terrain/areas.c. */
+/* A watch sees growing shares of each call up to all of it, from one thread at a time, and ends the call wherever it says so; it changes
+ * no answer. Products of terrain are in terrain/areas.c. */
 
 #include "cellwalk_terrain.h"
 #include "check.h"
@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 enum { RAYS = 30000, NX = 613, NY = 101 };
 
@@ -16,19 +17,24 @@ static test_field shape;
 static cw_field *field;
 static cw_ray rays[RAYS];
 static cw_user_ray user_rays[RAYS];
-static cw_hit hits[RAYS];
-static uint8_t occluded[RAYS];
-static double many[RAYS][3];
+static cw_hit found[RAYS]; /* to ask for their points and normals */
+static struct answers {
+    cw_hit hits[RAYS];
+    uint8_t occluded[RAYS];
+    double many[RAYS][3];
+} now, unwatched;
 
 /* ---- calls ------------------------------------------------------------------------------------------------------------- */
 
-static cw_status closest(const cw_run *run) { return cw_closest(field, run, rays, RAYS, hits); }
-static cw_status closest_user(const cw_run *run) { return cw_closest_user(field, run, user_rays, RAYS, hits); }
-static cw_status any(const cw_run *run) { return cw_occluded(field, run, rays, RAYS, occluded); }
-static cw_status any_user(const cw_run *run) { return cw_occluded_user(field, run, user_rays, RAYS, occluded); }
-static cw_status points(const cw_run *run) { return cw_hit_points(field, run, hits, RAYS, many[0]); }
-static cw_status normals(const cw_run *run) { return cw_hit_normals(field, run, hits, RAYS, many[0]); }
-static cw_status smooth_normals(const cw_run *run) { return cw_hit_phong_normals(field, run, hits, RAYS, many[0]); }
+static cw_status closest(const cw_run *run) { return cw_closest(field, run, rays, RAYS, now.hits); }
+static cw_status closest_user(const cw_run *run) { return cw_closest_user(field, run, user_rays, RAYS, now.hits); }
+static cw_status any(const cw_run *run) { return cw_occluded(field, run, rays, RAYS, now.occluded); }
+static cw_status any_user(const cw_run *run) { return cw_occluded_user(field, run, user_rays, RAYS, now.occluded); }
+static cw_status points(const cw_run *run) { return cw_hit_points(field, run, found, RAYS, now.many[0]); }
+static cw_status normals(const cw_run *run) { return cw_hit_normals(field, run, found, RAYS, now.many[0]); }
+static cw_status smooth_normals(const cw_run *run) {
+    return cw_hit_phong_normals(field, run, found, RAYS, now.many[0]);
+}
 static cw_status create(const cw_run *run, cw_storage storage) {
     const cw_field_desc desc = {.samples = shape.z, .nx = NX, .ny = NY, .storage = storage};
     cw_field *made;
@@ -74,7 +80,7 @@ typedef struct watch {
 
 static bool look(void *context, double done) {
     watch *w = context;
-    w->wrong += atomic_fetch_add(&w->inside, 1) != 0 || !(done >= w->last && done <= 1) || w->last >= w->stop_at;
+    w->wrong += atomic_fetch_add(&w->inside, 1) != 0 || !(done > w->last && done <= 1) || w->last >= w->stop_at;
     if (w->calls++ == 0) w->first = done;
     w->last = done;
     atomic_fetch_sub(&w->inside, 1);
@@ -85,11 +91,16 @@ static void each_call_is_watched(void **state) {
     (void)state;
     cw_pool *pool;
     check_status(cw_pool_create(3, &pool), CW_OK);
-    for (size_t k = 0; k < sizeof calls / sizeof *calls; k++)
+    for (size_t k = 0; k < sizeof calls / sizeof *calls; k++) {
+        memset(&now, 0xa5, sizeof now);
+        check_status(calls[k].make(NULL), CW_OK);
+        unwatched = now;
         for (int shared = 0; shared < 2; shared++) {
             watch w = {.stop_at = 2};
             const cw_run run = {.pool = shared ? pool : NULL, .watch = look, .watch_context = &w};
+            memset(&now, 0xa5, sizeof now);
             check_status(calls[k].make(&run), CW_OK);
+            check(memcmp(&now, &unwatched, sizeof now) == 0, "%s: other answers under a watch", calls[k].name);
             check(fabs(w.last - 1) < 1e-9 && w.calls > 2 && w.wrong == 0, "%s: %u calls, %u wrong, up to %g",
                   calls[k].name, w.calls, w.wrong, w.last);
             /* Rays may be slow, so the first piece is small. */
@@ -100,6 +111,7 @@ static void each_call_is_watched(void **state) {
                       w.last);
             }
         }
+    }
     cw_pool_destroy(pool);
 }
 
@@ -112,6 +124,7 @@ static int set_up(void **state) {
         rays[k] = ray_make((ray_class)(k % RAY_CLASSES), &shape, &r);
         user_rays[k] = ray_for_user(&rays[k]);
     }
+    check_status(cw_closest(field, NULL, rays, RAYS, found), CW_OK);
     return 0;
 }
 
