@@ -153,7 +153,7 @@ static cw_field *field;
 static cw_heading *heading;
 static cw_field_desc field_desc = {.samples = samples, .nx = SIDE, .ny = SIDE, .map = {{1}, {0, 1}, {0, 0, 1}}};
 static cw_heading_desc heading_desc = {.dir = {1, 0.5}};
-static cw_run run, later_run = {.reserved = {[3] = (uint64_t)1 << 63}};
+static cw_run run;
 static cw_update update = {.at = {1, 1, 2, 2}, .samples = samples};
 static cw_tasks tasks = {.threads = 2, .run = run_tasks};
 static cw_allocator allocator = {.allocate = allocate, .release = release};
@@ -265,9 +265,14 @@ static void wrong_arguments(const struct function *f, const parameter *list, siz
                 check_refused(status, p->name);
         }
         if (strcmp(p->name, "run") == 0) { /* what a later version would mean by more */
-            snprintf(now, sizeof now, "%s, a later version's run", f->name);
-            v[k].p = &later_run;
-            check_refused(call(f, v), "cw_run");
+            cw_run later = {0};
+            v[k].p = &later;
+            for (size_t w = 0; w < sizeof later.reserved / sizeof *later.reserved; w++) {
+                snprintf(now, sizeof now, "%s, a later version's run: word %zu", f->name, w);
+                later.reserved[w] = (uint64_t)1 << 63;
+                check_refused(call(f, v), "cw_run");
+                later.reserved[w] = 0;
+            }
         }
         if ((p->kind != COUNT || strcmp(p->name, "n") != 0) && p->kind != RECTANGLE) continue;
         snprintf(now, sizeof now, "%s, %s empty, without arrays", f->name, p->name);
