@@ -255,17 +255,22 @@ static double equal_walls(const double *shape, double x, double y) {
     return x == shape[0] + 80 ? 20 : x == shape[0] + 160 ? 40 : 0;
 }
 
-/* Of equal rises the nearest is the horizon. From the eye 64 steps lead out of the field, so that no share of the way is rounded. */
+/* Of equal rises the nearest is the horizon. From the eye 64 steps lead out of the field, so that no share of the way is rounded. East of
+ * the last column there is no terrain, and so no horizon. */
 static void nearest_of_equal_horizons(void **state) {
     (void)state;
     enum { EYE = SIDE - 64 };
     const double shape[1] = {10 * EYE};
-    static float metres[SAMPLES];
+    static float angles[SAMPLES], metres[SAMPLES];
     ground g;
     ground_make(&g, SIDE, SIDE, equal_walls, shape);
     const cw_horizon h = {.start = 90, .count = 1};
-    check_status(cw_horizon_angles(&g.terrain, NULL, &h, 0, (cw_area){0}, NULL, metres), CW_OK);
-    for (size_t j = 0; j < SIDE; j++) check(metres[j * SIDE + EYE] == 80, "%g m", (double)metres[j * SIDE + EYE]);
+    check_status(cw_horizon_angles(&g.terrain, NULL, &h, 0, (cw_area){0}, angles, metres), CW_OK);
+    for (size_t j = 0; j < SIDE; j++) {
+        const size_t eye = j * SIDE + EYE, last = j * SIDE + SIDE - 1;
+        check(metres[eye] == 80, "%g m", (double)metres[eye]);
+        check(isnan(angles[last]) && isnan(metres[last]), "row %zu: a horizon beyond the terrain", j);
+    }
     ground_free(&g);
 }
 
