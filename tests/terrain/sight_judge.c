@@ -70,7 +70,7 @@ static void judge_edge(judge *q, size_t i, size_t j, size_t di, size_t dj) {
     const double one = x * ((double)j - e[1]) - y * ((double)i - e[0]), two = one + x * (double)dj - y * (double)di;
     if ((one > 1e-3 && two > 1e-3) || (one < -1e-3 && two < -1e-3)) return;
     if (fabs(one) > 1e-3 &&
-        fabs(two) > 1e-3) { /* heights are below 10^4: what is that far off the line is so for doubles too */
+        fabs(two) > 1e-3) { /* heights are below 10^5: what is that far off the line is so for doubles too */
         const double f = one / (one - two), a = (double)i + f * (double)di - e[0],
                      b = (double)j + f * (double)dj - e[1];
         const double low = cw_sight_sample(q->sight, i, j), high = cw_sight_sample(q->sight, i + di, j + dj);
