@@ -19,7 +19,8 @@ static void add(line *l, double t, double rise, double most) {
     l->to[l->count++] = (crossing){t, rise / t - l->drop * t, most / t};
 }
 
-/* How far beside the line a place is, times the direction's length. */
+/* How far beside the line a place is, times the direction's length. With coordinates below 1024 rounding is below 2^-42 of that length, a
+ * twentieth of on_line; a direction that is 2^-30 off a border is 90 times on_line beside it after a cell. */
 static double beside(const line *l, double x, double y) {
     const double side = l->dir[0] * (y - l->start[1]) - l->dir[1] * (x - l->start[0]);
     return fabs(side) < l->on_line ? 0 : side;
