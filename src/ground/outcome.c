@@ -22,7 +22,7 @@ void outcome_end(outcome *o) {
 }
 
 const float *outcome_read(const io_raster_product *p, const void *cells, size_t n, float *values) {
-    if (p->scale > 0 || p->cell == IO_CELL_FLOAT32) return cells;
+    if (p->cell == IO_CELL_FLOAT32) return cells;
     for (size_t k = 0; k < n; k++) {
         const unsigned value = p->cell == IO_CELL_UINT8 ? ((const uint8_t *)cells)[k] : ((const uint16_t *)cells)[k];
         values[k] = value == p->nodata ? NAN : (float)value;

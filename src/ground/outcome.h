@@ -16,7 +16,7 @@ typedef struct outcome {
 bool outcome_begin(outcome *o, size_t values, io_error *error);
 void outcome_end(outcome *o);
 
-/* Cells of the product as floats, with NaN for no data: these themselves if they are floats, before they are packed; else values. */
+/* Cells of the product as floats, with NaN for no data: these themselves if they are floats, else values. */
 const float *outcome_read(const io_raster_product *p, const void *cells, size_t n, float *values);
 void outcome_take(outcome *o, const float *values, size_t n);
 /* Only counts cells, of which no quantile is asked for: without floats, and fast. False for kinds of cells that it does not count. */

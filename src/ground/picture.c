@@ -18,7 +18,7 @@ static const double tint = 0.6;
 bool picture_begin(picture *p, const char *path, size_t nx, size_t ny, io_error *error) {
     *p = (picture){.nx = nx, .ny = ny};
     if (nx > PICTURE_PIXELS_MOST / ny)
-        return io_fail(error, "%s: %zu x %zu samples are too many for a picture; write .tif, or --plain", path, nx, ny);
+        return io_fail(error, "%s: %zu x %zu samples are too many for a picture; write .tif", path, nx, ny);
     p->values = malloc(nx * ny * sizeof *p->values);
     p->toward = malloc(nx * ny * sizeof *p->toward);
     p->lean = malloc(nx * ny * sizeof *p->lean);

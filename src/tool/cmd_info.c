@@ -6,8 +6,6 @@
 #include "command.h"
 #include "cpus.h"
 #include "field_options.h"
-#include "gdal/module.h"
-#include "image.h"
 #include "json.h"
 #include "proc.h"
 #include "progress.h"
@@ -39,36 +37,6 @@ static void print_kernels(const cw_kernel *chosen, bool json) {
                    info.name, info.width, isa, leaf, info.what);
     }
     fputs(json ? "]" : "  (* chosen, - not available here)\n", stdout);
-}
-
-/* The libraries that reading and writing may do without. */
-typedef struct part {
-    const char *name, *for_what;
-    bool there; /* GDAL: its module is where it belongs; it is not loaded for that */
-} part;
-
-/* One line with the parts found, one with those missing. */
-static void print_parts(bool json) {
-    io_error unused;
-    const part parts[] = {{"GDAL", "GeoTIFF and other rasters", io_gdal_is_there()},
-                          {"libpng", ".png", io_image_can_write("a.png", &unused)},
-                          {"OpenEXR", ".exr", io_image_can_write("a.exr", &unused)}};
-    enum { PARTS = sizeof parts / sizeof *parts };
-    if (json) {
-        fputs("\"libraries\": {", stdout);
-        for (size_t k = 0; k < PARTS; k++) json_print(stdout, k ? ", %s: %b" : "%s: %b", parts[k].name, parts[k].there);
-        fputs("}, ", stdout);
-        return;
-    }
-    for (int there = 1; there >= 0; there--) {
-        const char *before = there ? "libraries       " : "not there       ";
-        for (size_t k = 0; k < PARTS; k++) {
-            if (parts[k].there != (there == 1)) continue;
-            printf("%s%s (%s)", before, parts[k].name, parts[k].for_what);
-            before = ", ";
-        }
-        if (before[0] == ',') putchar('\n');
-    }
 }
 
 static void print_machine(bool json) {
@@ -247,7 +215,6 @@ static int show(const char *path, const field_options *options, bool json, bool 
     const cw_kernel *chosen = path ? s.file.kernel : cw_run_kernel(NULL, &options->query);
     if (json || !path) {
         print_machine(json);
-        print_parts(json);
         print_kernels(chosen, json);
     }
     if (path) json ? print_field_json(path, &s) : print_field(path, &s);
@@ -271,8 +238,8 @@ static int run(int argc, char **argv) {
                 "can run.\n\n"
                 "With FIELD: its extent, cell size, coordinate system, heights and holes, then its size, its memory in "
                 "bytes, and the seconds of reading it and of building the structure of the chosen kernel. Without "
-                "FIELD: the CPU, its instruction set as far as the system supports it, the optional libraries found, "
-                "and the kernels (ways to find hits) with the chosen one.\n\n" FIELD_FILE_HELP,
+                "FIELD: the CPU, its instruction set as far as the system supports it, and the kernels (ways to find "
+                "hits) with the chosen one.\n\n" FIELD_FILE_HELP,
         .examples = "  cellwalk info\n"
                     "  cellwalk info dem.tif\n"
                     "  cellwalk info --isa sse4.2        # the kernel chosen without AVX2\n"

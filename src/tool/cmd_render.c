@@ -5,7 +5,6 @@
 #include "command.h"
 #include "field_options.h"
 #include "image.h"
-#include "json.h"
 #include "progress.h"
 #include "scene.h"
 #include "terrain/view.h"
@@ -23,8 +22,8 @@ typedef struct render_command {
     field_options fields;
     view_options view;
     const char *output, *size, *crop;
-    unsigned samples, seed;
-    bool phong, quiet, json;
+    unsigned samples;
+    bool phong, quiet;
     bool terrain;         /* not a scene */
     size_t width, height; /* from size; 0: as the scene says */
     scene_crop part;      /* from crop */
@@ -35,35 +34,16 @@ static void warn(void *context, const char *message) {
     command_warn("render", "%s", message);
 }
 
-/* load and write: seconds outside of scene_render. */
-static void print_json(const render_command *c, scene *of, const scene_render_stats *s, double load, double write,
-                       const char *path, const io_image *image) {
-    const cw_field *field = scene_field_count(of) > 0 ? scene_field(of, 0) : NULL;
-    json_print(stdout,
-               "{'scene': %s, 'width': %u, 'height': %u, 'kernel': %s, 'camera_rays': %u, 'shadow_rays': %u, "
-               "'mirror_rays': %u, 'field_queries': %u, 'load_seconds': %g, 'build_seconds': %g, 'seconds': %g, ",
-               path, image->width, image->height, cw_kernel_describe(cw_run_kernel(field, &c->fields.query)).name,
-               (size_t)s->camera_rays, (size_t)s->shadow_rays, (size_t)s->mirror_rays, (size_t)s->field_queries, load,
-               s->build_seconds, s->seconds);
-    json_print(stdout,
-               "'ray_seconds': %g, 'trace_seconds': %g, 'shade_seconds': %g, 'film_seconds': %g, 'write_seconds': %g, "
-               "'mrays_per_s': %g}\n",
-               s->ray_seconds, s->trace_seconds, s->shade_seconds, s->film_seconds, write,
-               (double)(s->camera_rays + s->shadow_rays + s->mirror_rays) / s->seconds * 1e-6);
-}
-
 static void tell(void *context, double share) {
     (void)context;
     progress_show("rendering", share);
 }
 
 /* The output file is opened first, so that no work is done in vain. */
-static int render(const render_command *c, const char *path, scene *s, double begun) {
-    const double load = clock_seconds() - begun;
+static int render(const render_command *c, scene *s, double begun) {
     const scene_render_options options = {.query = c->fields.query,
                                           .threads = c->fields.threads,
                                           .samples = c->samples,
-                                          .seed = c->seed,
                                           .width = c->width,
                                           .height = c->height,
                                           .crop = c->part,
@@ -76,16 +56,13 @@ static int render(const render_command *c, const char *path, scene *s, double be
     if (!io_output_open(&out, c->output, &error)) return command_fail(name, "%s", error.text);
     bool good = scene_render(s, &options, &image, &stats, &error);
     progress_end();
-    const double start = clock_seconds();
     good = good && io_image_put(&out, &image, &error) && io_output_commit(&out, &error);
     io_output_discard(&out); /* nothing after the commit */
-    const double written = clock_seconds() - start;
     /* Every visible point of the ground traces a shadow ray, of water a mirrored one. */
     if (good && c->terrain && !c->quiet && stats.shadow_rays + stats.mirror_rays == 0)
         warn(NULL, "nothing of the terrain is in the picture; --from and --to are places on its map");
     if (good)
         command_wrote(name, c->quiet, c->output, begun, "%zu x %zu pixels", (size_t)image.width, (size_t)image.height);
-    if (good && c->json) print_json(c, s, &stats, load, written, path, &image);
     io_image_free(&image);
     return good ? EXIT_SUCCESS : command_fail(name, "%s", error.text);
 }
@@ -95,7 +72,7 @@ static int render_scene(const render_command *c, const char *path) {
     const double start = clock_seconds();
     scene *s = scene_load(path, c->quiet ? NULL : warn, NULL, &error);
     if (s == NULL) return command_fail(name, "%s", error.text);
-    const int status = render(c, path, s, start);
+    const int status = render(c, s, start);
     scene_free(s);
     return status;
 }
@@ -105,7 +82,7 @@ static int render_terrain(const render_command *c, const char *path) {
     int status;
     view *v = view_open(&c->view, &c->fields, path, c->width, c->height, c->phong, c->quiet, &status);
     if (v == NULL) return status;
-    status = render(c, path, view_scene(v), start);
+    status = render(c, view_scene(v), start);
     view_close(v);
     return status;
 }
@@ -166,10 +143,8 @@ static int run(int argc, char **argv) {
                     "width and height in pixels (default: as in the scene; 1200x800 for a terrain)"),
         option_text("crop", "X0,Y0,X1,Y1", &c.crop,
                     "only the part from pixel (X0, Y0) up to and without (X1, Y1), counted from the upper left corner"),
-        option_count("seed", "N", &c.seed, 0, UINT32_MAX, "number of the pattern of samples in a pixel (default: 0)"),
         option_flag("phong", &c.phong, "smooth height fields by Phong normals"),
         option_flag("quiet", &c.quiet, "print neither progress nor warnings nor the line at the end"),
-        option_flag("json", &c.json, "print counts of rays, and seconds for each step, as one JSON object"),
         option_text("from", "X,Y[,H]", &c.view.from,
                     "the eye's place on the map, H metres above ground (default: 2), or X,Y,=Z at an absolute height "
                     "in metres; without --from the eye is south of the terrain and sees all of it"),
@@ -214,7 +189,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk render dem.tif --time 2024-06-21T12:00:00Z --sky --haze 40000 \\\n"
                     "      --water 310 -o lake.png\n"
                     "  cellwalk render landsea-0.pbrt -o landsea-0.png\n"
-                    "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64 --json\n"
+                    "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64\n"
                     "  cellwalk render texture.pbrt -o part.png --size 1600x1600 --crop 0,0,400,400\n",
         .options = options,
         .option_count = sizeof options / sizeof *options,

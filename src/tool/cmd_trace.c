@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk trace`: hits of an array of rays. Rays are read, traced and written piece by piece, so that neither
- * rays nor hits need to fit into memory. */
+/* `cellwalk trace`: hits of an array of rays. Both are NumPy arrays, read, traced and written piece by piece, so that neither needs to
+ * fit into memory. */
 
 #include "cellwalk_expert.h"
 #include "clock.h"
@@ -8,133 +8,147 @@
 #include "field_options.h"
 #include "inputs.h"
 #include "json.h"
+#include "npy.h"
 #include "progress.h"
-#include "trace_files.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-/* A piece is long enough that starting the threads costs nothing. */
-enum { PIECE = 1 << 18, REPEAT_MOST = 1000000 };
+_Static_assert(sizeof(cw_ray) == 8 * sizeof(float), "a row of eight floats is a ray");
+_Static_assert(sizeof(cw_user_ray) == 8 * sizeof(double), "a row of eight doubles is a ray in user space");
 
-typedef struct request {
-    const char *field, *rays, *hits;
-    field_options options;
-    bool any, user, points, normals, stats, json, quiet;
-    unsigned repeat;
-} request;
+/* A piece is long enough that starting the threads costs nothing. */
+enum { PIECE = 1 << 18, HIT = 24, POINT = 24, NORMAL = 12, AT_ONCE = 1 << 14 };
+_Static_assert(sizeof(cw_hit) == HIT, "a hit is a record");
 
 typedef struct trace {
-    request *request;
+    const char *path, *hits; /* of the field; NULL: hits are not written */
+    field_options options;
+    bool any, user, points, normals, json, quiet;
     raster_field field;
-    ray_source rays;
-    cw_run *query;  /* of the options */
-    hits_file file; /* not open where no output was asked for */
-    uint64_t hit_count;
-    double *seconds; /* request->repeat of them */
+    io_npy rays;
+    io_npy_writer writer;
+    cw_run *query; /* of the options */
+    uint64_t count, hit_count;
+    double seconds; /* of the queries alone */
 } trace;
 
 /* Of a piece; with --occluded the latter. */
 static cw_hit found[PIECE];
 static uint8_t occluded[PIECE];
 
-/* Traces n rays into found or occluded and returns the time that it took. */
-static bool trace_piece(trace *t, const void *rays, size_t n, double *seconds, io_error *error) {
-    const cw_field *f = t->field.field;
-    const bool any = t->request->any;
-    const double start = clock_seconds();
-    cw_status status;
-    if (t->request->user)
-        status = any ? cw_occluded_user(f, t->query, rays, n, occluded) : cw_closest_user(f, t->query, rays, n, found);
-    else
-        status = any ? cw_occluded(f, t->query, rays, n, occluded) : cw_closest(f, t->query, rays, n, found);
-    *seconds = clock_seconds() - start;
-    return status == CW_OK || io_fail(error, "%s", cw_last_error());
-}
+/* Points and normals of some hits, and the records with them. */
+static struct {
+    double point[AT_ONCE][3], normal[AT_ONCE][3];
+    unsigned char records[AT_ONCE * (HIT + POINT + NORMAL)];
+} extras;
 
-static uint64_t count_hits(const trace *t, size_t n) {
-    uint64_t count = 0;
-    for (size_t k = 0; k < n; k++) count += t->request->any ? occluded[k] : found[k].i >= 0;
-    return count;
-}
-
-/* All rays once. The first pass counts and writes. */
-static bool pass(trace *t, unsigned number, io_error *error) {
-    for (uint64_t done = 0; done < t->rays.count;) {
-        const size_t n = t->rays.count - done < PIECE ? (size_t)(t->rays.count - done) : PIECE;
-        const void *rays = ray_source_rows(&t->rays, t->field.field, done, n, error);
-        if (rays == NULL) return false;
-        double seconds = 0;
-        if (!trace_piece(t, rays, n, &seconds, error)) return false;
-        t->seconds[number] += seconds;
-        if (number == 0) t->hit_count += count_hits(t, n);
-        if (number == 0 && t->request->hits &&
-            !hits_file_write(&t->file, t->field.field, t->query, found, occluded, n, error))
-            return false;
-        done += n;
-        progress_show("tracing", (number + (double)done / (double)t->rays.count) / t->request->repeat);
-    }
+static bool open_rays(trace *t, const char *path, io_error *error) {
+    static const char *const float32[] = {"<f4"}, *const float64[] = {"<f8"};
+    const io_npy_header *h = &t->rays.header;
+    char shape[128];
+    if (!io_npy_open(&t->rays, strcmp(path, "-") == 0 ? "/dev/stdin" : path, error) ||
+        !io_npy_expect_type(&t->rays, t->user ? float64 : float32, 1, error))
+        return false;
+    io_npy_shape_text(&t->rays, shape, sizeof shape);
+    if (h->rank != 2 || h->shape[1] != 8)
+        return io_fail(error, "%s: shape %s, but rays are (N, 8): org x y z, tmin, dir x y z, tmax", t->rays.path,
+                       shape);
+    t->count = h->shape[0];
     return true;
 }
 
-static bool prepare(trace *t, io_error *error) {
-    const request *r = t->request;
-    if (!ray_source_open(&t->rays, r->rays, r->user, error)) return false;
-    if (!io_inputs_note_path(r->field)) return io_fail(error, "out of memory");
-    if (r->hits && !hits_file_create(&t->file, r->hits, t->rays.count, error)) return false;
-    const cw_status status = cw_pool_create(r->options.threads, &t->query->pool);
+static bool create_hits(trace *t, io_error *error) {
+    char type[256];
+    if (t->any) return io_npy_create(&t->writer, t->hits, "'|u1'", 1, t->count, error);
+    snprintf(type, sizeof type,
+             "[('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '<u4'), ('u', '<f4'), ('v', '<f4')%s%s]",
+             t->points ? ", ('x', '<f8'), ('y', '<f8'), ('z', '<f8')" : "",
+             t->normals ? ", ('nx', '<f4'), ('ny', '<f4'), ('nz', '<f4')" : "");
+    size_t record = HIT;
+    if (t->points) record += POINT;
+    if (t->normals) record += NORMAL;
+    return io_npy_create(&t->writer, t->hits, type, record, t->count, error);
+}
+
+static bool write_extras(trace *t, const cw_hit *hits, size_t n, io_error *error) {
+    unsigned char *to = extras.records;
+    cw_status status = CW_OK;
+    if (t->points) status = cw_hit_points(t->field.field, t->query, hits, n, extras.point[0]);
+    if (status == CW_OK && t->normals) status = cw_hit_normals(t->field.field, t->query, hits, n, extras.normal[0]);
     if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
-    if (!field_options_open(&r->options, r->field, &t->field, error)) return false;
-    if (r->user && t->field.raster.georef.geographic)
+    for (size_t k = 0; k < n; k++) {
+        const double *normal = extras.normal[k];
+        const float rounded[3] = {(float)normal[0], (float)normal[1], (float)normal[2]};
+        memcpy(to, &hits[k], HIT);
+        to += HIT;
+        if (t->points) memcpy(to, extras.point[k], POINT);
+        to += t->points ? POINT : 0;
+        if (t->normals) memcpy(to, rounded, NORMAL);
+        to += t->normals ? NORMAL : 0;
+    }
+    return io_npy_write(&t->writer, extras.records, (size_t)(to - extras.records), error);
+}
+
+static bool write_piece(trace *t, size_t n, io_error *error) {
+    if (t->any) return io_npy_write(&t->writer, occluded, n, error);
+    if (!t->points && !t->normals) return io_npy_write(&t->writer, found, n * HIT, error);
+    bool good = true;
+    for (size_t done = 0; done < n && good; done += AT_ONCE)
+        good = write_extras(t, found + done, n - done < AT_ONCE ? n - done : AT_ONCE, error);
+    return good;
+}
+
+static bool trace_piece(trace *t, uint64_t first, size_t n, io_error *error) {
+    const cw_field *f = t->field.field;
+    const void *rays = io_npy_rows(&t->rays, first, n, error);
+    if (rays == NULL) return false;
+    const double start = clock_seconds();
+    const cw_status status = t->user  ? t->any ? cw_occluded_user(f, t->query, rays, n, occluded)
+                                               : cw_closest_user(f, t->query, rays, n, found)
+                              : t->any ? cw_occluded(f, t->query, rays, n, occluded)
+                                      : cw_closest(f, t->query, rays, n, found);
+    t->seconds += clock_seconds() - start;
+    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
+    for (size_t k = 0; k < n; k++) t->hit_count += t->any ? occluded[k] : found[k].i >= 0;
+    return t->hits == NULL || write_piece(t, n, error);
+}
+
+static bool prepare(trace *t, const char *rays, io_error *error) {
+    if (!open_rays(t, rays, error)) return false;
+    if (!io_inputs_note_path(t->path)) return io_fail(error, "out of memory");
+    if (t->hits && !create_hits(t, error)) return false;
+    const cw_status status = cw_pool_create(t->options.threads, &t->query->pool);
+    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
+    if (!field_options_open(&t->options, t->path, &t->field, error)) return false;
+    if (t->user && t->field.raster.georef.geographic)
         command_warn("trace",
                      "%s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp -t_srs EPSG:... "
                      "puts it on a map in metres",
-                     r->field);
+                     t->path);
     t->query->expert.kernel = t->field.kernel;
-    t->seconds = calloc(r->repeat, sizeof *t->seconds);
-    return t->seconds || io_fail(error, "out of memory");
+    return true;
 }
 
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static void report(trace *t) {
-    const unsigned n = t->request->repeat;
-    qsort(t->seconds, n, sizeof *t->seconds, compare);
-    const double least = t->seconds[0], median = 0.5 * (t->seconds[(n - 1) / 2] + t->seconds[n / 2]);
-    const double mrays = t->rays.count > 0 ? 1e-6 * (double)t->rays.count / median : 0;
-    const char *kernel = cw_kernel_describe(t->query->expert.kernel).name;
-    const unsigned threads = cw_pool_threads(t->query->pool);
-    const unsigned long long rays = t->rays.count, hits = t->hit_count;
-    if (!t->request->json) {
-        printf("%s: %llu rays, %llu hits, %u thread%s, %u run%s: min %.6f s, median %.6f s, %.3f Mrays/s\n", kernel,
-               rays, hits, threads, threads == 1 ? "" : "s", n, n == 1 ? "" : "s", least, median, mrays);
-        return;
+static bool trace_all(trace *t, const char *rays, io_error *error) {
+    bool good = prepare(t, rays, error);
+    for (uint64_t done = 0; good && done < t->count; done += PIECE) {
+        good = trace_piece(t, done, t->count - done < PIECE ? (size_t)(t->count - done) : PIECE, error);
+        progress_show("tracing", (double)done / (double)t->count);
     }
-    json_print(stdout,
-               "{'kernel': %s, 'rays': %u, 'hits': %u, 'threads': %u, 'seconds_min': %g, 'seconds_median': %g, "
-               "'mrays_per_s': %g}\n",
-               kernel, (size_t)rays, (size_t)hits, (size_t)threads, least, median, mrays);
-}
-
-static bool trace_all(trace *t, io_error *error) {
-    if (!prepare(t, error)) return false;
-    bool good = true;
-    for (unsigned k = 0; k < t->request->repeat && good; k++) good = pass(t, k, error);
     progress_end();
-    return good && (t->request->hits == NULL || io_npy_commit(&t->file.writer, error));
+    return good && (t->hits == NULL || io_npy_commit(&t->writer, error));
 }
 
-/* Where the field's bounds are, in the coordinates that rays have. */
+/* Where the field's bounds are, in the coordinates that rays have; unless all samples are holes. */
 static void warn_of_bounds(const trace *t) {
     const cw_field_info f = cw_field_describe(t->field.field);
     const double side[3] = {(double)(f.nx - 1), (double)(f.ny - 1), 1};
+    if (!(f.low <= f.high)) return;
     double low[3] = {0, 0, (double)f.low}, high[3] = {side[0], side[1], (double)f.high};
-    for (int k = 0; k < 3 && t->request->user; k++) {
+    for (int k = 0; k < 3 && t->user; k++) {
         const double *m = t->field.map[k];
         low[k] = high[k] = m[3];
         for (int a = 0; a < 3; a++) {
@@ -143,32 +157,30 @@ static void warn_of_bounds(const trace *t) {
             high[k] += fmax(from, to);
         }
     }
-    command_warn("trace", "no ray meets the field, which lies at x %.10g to %.10g, y %.10g to %.10g, z %.6g to %.6g%s",
+    command_warn("trace", "no ray hits the field, which lies at x %.10g to %.10g, y %.10g to %.10g, z %.6g to %.6g%s",
                  low[0], high[0], low[1], high[1], low[2], high[2],
-                 t->request->user                ? " of the map"
+                 t->user                         ? " of the map"
                  : t->field.raster.georef.placed ? "; if the rays are in coordinates of its map, --user takes them so"
                                                  : "");
 }
 
-static int run_request(request *r, bool timing) {
-    trace t = {.request = r,
-               .query = &r->options.query,
-               .rays = {.npy = {.fd = -1}},
-               .file = {.any = r->any, .points = r->points, .normals = r->normals}};
+static int run_request(trace *t, const char *rays) {
     io_error error = {""};
     const double start = clock_seconds();
-    const bool good = trace_all(&t, &error);
-    if (good && timing) report(&t);
+    const bool good = trace_all(t, rays, &error);
+    if (good && t->json)
+        json_print(stdout, "{'kernel': %s, 'rays': %u, 'hits': %u, 'threads': %u, 'seconds': %g, 'mrays_per_s': %g}\n",
+                   cw_kernel_describe(t->query->expert.kernel).name, (size_t)t->count, (size_t)t->hit_count,
+                   (size_t)cw_pool_threads(t->query->pool), t->seconds,
+                   t->count > 0 ? 1e-6 * (double)t->count / t->seconds : 0);
     if (good)
-        command_wrote("trace", r->quiet, r->hits, start, "%.3g %% of %llu rays hit",
-                      t.rays.count > 0 ? 100 * (double)t.hit_count / (double)t.rays.count : 0,
-                      (unsigned long long)t.rays.count);
-    if (good && t.rays.count > 0 && t.hit_count == 0 && t.rays.none_meets) warn_of_bounds(&t);
-    io_npy_discard(&t.file.writer);
-    ray_source_close(&t.rays);
-    cw_pool_destroy(t.query->pool);
-    raster_field_close(&t.field);
-    free(t.seconds);
+        command_wrote("trace", t->quiet, t->hits, start, "%.3g %% of %llu rays hit",
+                      t->count > 0 ? 100 * (double)t->hit_count / (double)t->count : 0, (unsigned long long)t->count);
+    if (good && !t->quiet && t->count > 0 && t->hit_count == 0) warn_of_bounds(t);
+    io_npy_discard(&t->writer);
+    io_npy_close(&t->rays);
+    cw_pool_destroy(t->query->pool);
+    raster_field_close(&t->field);
     return good ? EXIT_SUCCESS : command_fail("trace", "%s", error.text);
 }
 
@@ -184,9 +196,9 @@ static const char what[] =
     "and for RAYS standard input, redirected from a file.\n\n" FIELD_TRADE "\n";
 
 static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.npy\n"
-                               "  cellwalk trace dem.tif lidar.npy --user --points -o hits.npy --stats\n"
+                               "  cellwalk trace dem.tif lidar.npy --user --points -o hits.npy\n"
                                "  cellwalk trace dem.asc sun.npy -o shadow.npy --occluded --threads 4\n"
-                               "  cellwalk trace terrain.npy rays.npy --threads 1 --repeat 9 --json\n"
+                               "  cellwalk trace terrain.npy rays.npy --threads 1 --json\n"
                                "\n"
                                "In Python:\n"
                                "  rays = numpy.zeros((1000, 8), 'float32')      # origin, tmin, direction, tmax\n"
@@ -194,37 +206,33 @@ static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.np
                                "  hits = numpy.load('hits.npy'); depth = hits['t']; missed = hits['i'] < 0\n";
 
 /* Options that exclude each other. */
-static bool check(const request *r, bool timing) {
-    const bool to_stdout = r->hits && strcmp(r->hits, "-") == 0;
-    if (r->hits == NULL && !timing)
-        return command_refuse("trace", "nothing to do: give -o HITS.npy for the hits, or --stats, --repeat or --json");
-    if (r->any && (r->points || r->normals))
+static bool check(const trace *t) {
+    const bool to_stdout = t->hits && strcmp(t->hits, "-") == 0;
+    if (t->hits == NULL && !t->json)
+        return command_refuse("trace", "nothing to do: give -o HITS.npy for the hits, or --json");
+    if (t->any && (t->points || t->normals))
         return command_refuse("trace", "--occluded finds no hits, so --points and --normals cannot be given");
-    if (to_stdout && timing)
-        return command_refuse("trace",
-                              "standard output cannot take both the hits and the text of --stats, --repeat or --json");
+    if (to_stdout && t->json)
+        return command_refuse("trace", "standard output cannot take both the hits and the text of --json");
     if (to_stdout && isatty(STDOUT_FILENO))
         return command_refuse("trace", "standard output is a terminal, and hits are no text: give -o HITS.npy");
     return true;
 }
 
 static int run(int argc, char **argv) {
-    static request r; /* large */
+    static trace t = {.rays = {.fd = -1}}; /* large */
     const option_spec options[] = {
-        option_output("HITS.npy", &r.hits, "the array of hits to write; - is standard output"),
-        option_flag("occluded", &r.any, "only find whether a ray hits anything: one byte a ray"),
-        option_flag("user", &r.user, "RAYS is float64, in the coordinates of the field's map"),
-        option_flag("points", &r.points,
+        option_output("HITS.npy", &t.hits, "the array of hits to write; - is standard output"),
+        option_flag("occluded", &t.any, "only find whether a ray hits anything: one byte a ray"),
+        option_flag("user", &t.user, "RAYS is float64, in the coordinates of the field's map"),
+        option_flag("points", &t.points,
                     "also write the hits' places on the map, on the surface to rounding: x, y, z (float64)"),
-        option_flag("normals", &r.normals,
+        option_flag("normals", &t.normals,
                     "also write the triangles' unit normals, in the map's coordinates: nx, ny, nz (float32)"),
-        option_flag("stats", &r.stats, "print counts of rays and hits, and the seconds of the queries alone"),
-        option_count("repeat", "N", &r.repeat, 1, REPEAT_MOST,
-                     "trace N times and print the seconds of the queries alone; -o is then optional"),
-        option_flag("json", &r.json,
-                    "print one JSON object: kernel, rays, hits, threads, seconds_min, seconds_median, mrays_per_s (by "
-                    "the median); -o is then optional"),
-        option_flag("quiet", &r.quiet, "leave out the line at the end"),
+        option_flag("json", &t.json,
+                    "print one JSON object: kernel, rays, hits, threads, seconds of the queries alone, mrays_per_s; -o "
+                    "is then optional"),
+        option_flag("quiet", &t.quiet, "leave out the line at the end, and the warning if no ray hits"),
     };
     static const char *const operand_names[] = {"FIELD", "RAYS.npy"};
     const options_usage usage = {.name = "trace",
@@ -237,14 +245,11 @@ static int run(int argc, char **argv) {
                                  .operand_least = 2,
                                  .operand_most = 2};
     const char *operands[2];
-    const int status = field_options_parse(&r.options, &usage, FIELD_KERNELS, argc, argv, operands);
+    t.query = &t.options.query;
+    const int status = field_options_parse(&t.options, &usage, FIELD_KERNELS, argc, argv, operands);
     if (status != OPTIONS_GO) return status;
-    r.field = operands[0];
-    r.rays = operands[1];
-    const bool timing = r.repeat > 0 || r.json || r.stats;
-    if (!check(&r, timing)) return EXIT_USAGE;
-    if (r.repeat == 0) r.repeat = 1;
-    return run_request(&r, timing);
+    t.path = operands[0];
+    return check(&t) ? run_request(&t, operands[1]) : EXIT_USAGE;
 }
 
 const command command_trace = {"trace", "find where rays hit a height field (NumPy arrays in and out)", run};

@@ -177,7 +177,7 @@ def test_pages(tmp_path):
         if "--isa" in options and not checked:
             check_completion(f"{name} {command} --isa av", ["avx2", "avx512"])
             check_completion(f"{name} {command} --isa=sc", ["scalar"])
-            check_completion(f"{name} {command} --seed ", [])
+            check_completion(f"{name} {command} {'--threads' if name == 'cellwalk' else '--seed'} ", [])
             checked = True
     check_completion(f"{name} ", [*commands, "--help", "--version"])
     check_completion(f"{name} --ver", ["--version"])

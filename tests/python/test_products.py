@@ -94,10 +94,9 @@ RASTERS = [
     (f"viewshed {MANY} --curvature 1", lambda f, p: f.viewshed(p.xs, p.ys, 9, curvature=1)),
     (f"viewshed {MANY} --bands", lambda f, p: f.viewshed(p.xs, p.ys, 9, bands=True)),
     (f"viewshed {MANY} --needed --bands", lambda f, p: f.viewshed(p.xs, p.ys, 9, needed=True, bands=True)),
-    ("viewshed --from {a} --max-distance {far} --extent full", lambda f, p: f.viewshed(*p.spot(0), max_distance=p.far)),
-    ("viewshed --from {a} --max-distance {far} --extent full --needed",
+    ("viewshed --from {a} --max-distance {far} --window=-1e9,-1e9,1e9,1e9", lambda f, p: f.viewshed(*p.spot(0), max_distance=p.far)),
+    ("viewshed --from {a} --max-distance {far} --window=-1e9,-1e9,1e9,1e9 --needed",
      lambda f, p: f.viewshed(*p.spot(0), max_distance=p.far, needed=True)),
-    ("viewshed --from {a} --needed-absolute", lambda f, p: f.viewshed(*p.spot(0), needed="absolute")),
     ("viewshed --from {a} --angle", lambda f, p: f.viewshed(*p.spot(0), angle=True)),
     ("viewshed --from {a},6 --min-distance {near} --azimuth 350,120 --vertical -60,20",
      lambda f, p: f.viewshed(*p.spot(0, 6), min_distance=p.near, azimuth=(350, 120), vertical=(-60, 20))),
@@ -119,7 +118,7 @@ TABLES = [
      "angle distance x y", lambda f, p: at_places(p, f.horizon_at(*p.spot(0), directions=9, start=5, max_distance=p.far))),
     ("horizon --at {a},4 --at {b},4 --directions 5 --curvature 500",
      "angle distance x y true_azimuth", lambda f, p: at_places(p, f.horizon_at(p.xs[:2], p.ys[:2], 4, 5, curvature=500))),
-    ("viewshed --observers FILE --max-distance {far} --extent full --table TABLE",
+    ("viewshed --observers FILE --max-distance {far} --window=-1e9,-1e9,1e9,1e9 --table TABLE",
      "samples km2 farthest farthest_x farthest_y", lambda f, p: of_sites(p, f.sites(p.xs, p.ys, 9, max_distance=p.far))),
     ("viewshed --observers FILE --table TABLE --within AREA", "samples km2 farthest farthest_x farthest_y",
      lambda f, p: of_sites(p, f.sites(p.xs, p.ys, 9, within=p.inside(f)))),
@@ -164,7 +163,7 @@ def of_profile(p, profile):
 # What Python has in another way, or has no use for.
 FILES = "arrays and DataArrays take the place of files"
 EXCUSED = {
-    "output": FILES, "compress": FILES, "cog": FILES, "co": FILES, "plain": FILES, "json": FILES, "type": FILES, "layer": FILES,
+    "output": FILES, "cog": FILES, "co": FILES, "json": FILES, "layer": FILES,
     "quiet": "progress= is the only thing that is told", "help": "help(cellwalk)",
     "band": "cellwalk.open(band=)", "nodata": "cellwalk.open(nodata=)", "zscale": "cellwalk.open(zscale=)",
     "cellsize": "cellwalk.open(cellsize=)", "allow-network": "GDAL's own settings rule in Python (SECURITY.md)",
@@ -277,6 +276,17 @@ def test_sun_days_are_those_of_the_raster(ground):
         assert d.hours.sum() == pytest.approx(hours[j, i], abs=1e-4 if middle else 0.2)
         assert d.direct.sum() == pytest.approx(energy[0, j, i], rel=2e-5 if middle else 0.02, abs=1e-2 if middle else 20)
         assert d.diffuse.sum() == pytest.approx(energy[1, j, i], rel=2e-5 if middle else 0.01)
+
+
+def test_needed_heights_are_absolute_too(ground):
+    """Just above that height a target is in sight, just below it is not."""
+    f = ground.field
+    x, y = f.map[:2] @ (20, 30, 0, 1)
+    heights = f.viewshed(x, y, 2, needed="absolute")
+    for j, i in np.argwhere(f.viewshed(x, y, 2, needed=True) > 1)[::1000]:
+        for more, visible in (0.05, True), (-0.05, False):
+            to = (*f.map[:2] @ (i, j, 0, 1), float(heights[j, i]) + more)
+            assert f.line_of_sight((x, y, 2), to, absolute=(False, True)).visible == visible
 
 
 def test_suns_of_a_list_are_those_of_shadows(ground):
@@ -431,4 +441,4 @@ def test_every_option_is_compared_or_excused(tool):
         assert len(named) > 10
         assert named - compared - set(EXCUSED) == set(), f"{command}: neither compared with Python nor excused"
         assert compared <= named
-    assert set(EXCUSED) & set.union(*cases.values()) <= {"type"}
+    assert set(EXCUSED) & set.union(*cases.values()) <= {"window"}

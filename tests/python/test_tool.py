@@ -135,10 +135,7 @@ def test_pictures_show_relief_values_and_observers(program, tool, ground, tmp_pa
     words = ["viewshed", ground.path, "--from", f"{x:.9g},{north(ground, y):.9g},9", "-o"]
     tool(*words, tmp_path / "seen.npy")
     tool(*words, tmp_path / "seen.png")
-    tool(*words, tmp_path / "plain.png", "--plain")
     seen, picture = np.load(tmp_path / "seen.npy"), (image.imread(tmp_path / "seen.png")[..., :3] * 255).round().astype(int)
-    plain = (image.imread(tmp_path / "plain.png") * 255).round().astype(int)
-    assert plain.ndim == 2 and ((plain == 255) == (seen != 0)).all()
     marks = (picture == (213, 94, 0)).all(-1)
     rows, columns = np.nonzero(marks)
     x0, y0, x1, y1 = ground.field.bounds
@@ -151,7 +148,6 @@ def test_pictures_show_relief_values_and_observers(program, tool, ground, tmp_pa
     assert yellow[clear & (seen == 1)].min() > yellow[clear & (seen == 0)].max()
     blue = picture[clear & (seen == 0)].sum(-1)
     assert blue.std() > 10  # the relief shows
-    assert "--plain goes with -o FILE.png" in tool(*words, tmp_path / "a.npy", "--plain", fails=True)
 
 
 def test_pictures_of_windows_and_every_other_sample(tool, ground, tmp_path):

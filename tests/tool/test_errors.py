@@ -12,7 +12,6 @@ from program import (PROGRAM, end, entries, interrupted, only_hidden, kernels, n
                      wait_for_input, wait_for_output, write)
 
 TRACE = "trace", "field.npy", "rays.npy"
-LONG = *TRACE, "-o", "hits.npy", "--repeat", 1000000
 
 
 @pytest.fixture(autouse=True)
@@ -42,8 +41,8 @@ def fails(status, part, *words, **setting):
     ("'celt' is unknown; did you mean cell?", (*TRACE, "--json", "--kernel", "celt")),
     ("there are default, moller-trumbore, watertight", (*TRACE, "--json", "--leaf", "woop")),
     ("scalar, sse4.2, avx2, avx512", (*TRACE, "--json", "--isa", "avx")),
-    ("from 1 to 1000000, not '0'", (*TRACE, "--json", "--repeat", 0)),
-    ("from 1 to 1000000, not '1000001'", (*TRACE, "--json", "--repeat", 1000001)),
+    ("from 1 to 1048576, not '0'", (*TRACE, "--json", "--band", 0)),
+    ("from 1 to 1048576, not '1048577'", (*TRACE, "--json", "--band", 1048577)),
     ("not '-1'", (*TRACE, "--json", "--threads", -1)),
     ("not 'two'", (*TRACE, "--json", "--threads", "two")),
     ("not '1.5'", (*TRACE, "--json", "--threads", "1.5")),
@@ -68,7 +67,7 @@ LINES = {"info": (), "trace": ("rays.npy", "-o", "o.npy"), "shadow": ("--sun", "
          "sun": ("--date", "2024-06-21", "--lon-lat", "9,47", "--at", "1,1"), "viewshed": ("--from", "1,1", "-o", "o.npy"), "visibility": ("-o", "o.npy"),
          "los": ("1,1", "2,2"), "render": ("--size", "8x8", "-o", "o.png")}
 # Options for which 0 is a number like others, by their help or by what they are.
-ZEROS = {"--threads", "--nodata", "--start", "--facing", "--tilt", "--curvature", "--target-height", "--observer-height", "--min-distance", "--seed",
+ZEROS = {"--threads", "--nodata", "--start", "--facing", "--tilt", "--curvature", "--target-height", "--observer-height", "--min-distance",
          "--water", "--at"}
 
 
@@ -235,9 +234,17 @@ def test_results_that_cannot_be_printed():
 # ---- endings --------------------------------------------------------------------------------------------------------------
 
 
-def test_killed_programs_leave_no_result():
+@pytest.fixture
+def minutes():
+    """A query by brute force that takes so long."""
+    np.save("large.npy", np.zeros((1000, 1000), np.float32))
+    rays("many.npy", np.tile([5.5, 5, 1], (100000, 1)))
+    return "trace", "large.npy", "many.npy", "-o", "hits.npy", "--kernel", "brute"
+
+
+def test_killed_programs_leave_no_result(minutes):
     before = entries()
-    process = start(*LONG)
+    process = start(*minutes)
     wait_for_output(process)
     process.kill()
     assert end(process).status == 128 + signal.SIGKILL
@@ -245,16 +252,8 @@ def test_killed_programs_leave_no_result():
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_interruptions_leave_nothing(number):
-    assert "interrupted" in interrupted(*LONG, "--threads", 2, signals=[number]).err
-
-
-@pytest.fixture
-def minutes():
-    """A query by brute force that takes so long."""
-    np.save("large.npy", np.zeros((1000, 1000), np.float32))
-    rays("many.npy", np.tile([5.5, 5, 1], (100000, 1)))
-    return "trace", "large.npy", "many.npy", "-o", "hits.npy", "--kernel", "brute"
+def test_interruptions_leave_nothing(minutes, number):
+    assert "interrupted" in interrupted(*minutes, "--threads", 2, signals=[number]).err
 
 
 def test_interruptions_do_not_wait(minutes):

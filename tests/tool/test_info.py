@@ -76,20 +76,16 @@ def test_places_come_first():
 
 @pytest.mark.parametrize("name, output, missing", [("GDAL", "o.tif", "GDAL"), ("libpng", "o.png", "no library")])
 def test_libraries_are_told(name, output, missing):
-    """Each optional library is named once, as there or as not there: what is there can be written."""
+    """What is there can be written."""
     np.save("z.npy", np.array([[1, 2], [3, 4]], np.float32))
     done = run("shadow", "z.npy", "--cellsize", 1, "--sun", "0,9", "-o", output)
     there = done.status == 0
     assert there or missing in done.err
-    assert library(name) == there and f'"{name}": {str(there).lower()}' in well("info", "--json").out
-    has, _, lacks = well("info").out.partition("not there ")
-    assert name in (has if there else lacks) and name not in (lacks if there else has)
+    assert library(name) == there
 
 
 def test_without_its_module_gdal_is_not_there():
-    modules = {"CELLWALK_MODULES": "/nowhere"}
-    assert '"GDAL": false' in well("info", "--json", env=modules).out
-    assert "GDAL     no: " in well("--version", env=modules).out
+    assert "GDAL     no: " in well("--version", env={"CELLWALK_MODULES": "/nowhere"}).out
 
 
 def test_help_is_printed():

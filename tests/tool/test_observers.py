@@ -81,7 +81,7 @@ def test_a_table_of_views():
 
 def test_weights_and_bands():
     write("t.csv", "x,y,height,weight\n100,100,3,0.5\n250.5,321.25,2,-3\n400,20,=90,1e6\n")
-    for option in "--threads=2", "--angle", "--needed", "--needed-absolute":
+    for option in "--threads=2", "--angle", "--needed":
         bands = view("land.npy", "--observers", "t.csv", "--bands", option)
         alone = np.stack([view("land.npy", "--from", place, option) for place in PLACES])
         assert bands.dtype == alone.dtype and bands.tobytes() == alone.tobytes(), option

@@ -165,12 +165,8 @@ def test_months_and_years(wall, date, rows):
 # ---- refusals -----------------------------------------------------------------------------------------------------------
 
 REFUSED = [
-    (2, "--type int16 goes with -o FILE.tif", "horizon", "--type", "int16", "-o", "no.npy"),
-    (2, "--type int16 is for angles and sky-view factors", "horizon", "--type", "int16", "--distance", "-o", "no.tif"),
     (2, "--distance goes with none of", "horizon", "--distance", "--svf", "-o", "no.npy"),
     (1, "no room for 32 bands", "horizon", "-o", "h.png"),
-    (2, "--compress goes with -o FILE.tif", "horizon", "--compress", "zstd", "-o", "h.npy"),
-    (2, "there are deflate, zstd, none", "horizon", "--compress", "lzw", "-o", "h.tif"),
     (2, "--cog goes with -o FILE.tif", "shadow", "--sun", "0,9", "--cog", "-o", "no.npy"),
     (2, "--co goes with -o FILE.tif", "shadow", "--sun", "0,9", "--co", "A=B", "-o", "no.npy"),
     (1, "names no coordinate system, so the sun's place at a time is not known; give --sun", "shadow", "--time", "2024-06-21T12:00:00Z", "-o", "no.npy"),
@@ -284,29 +280,6 @@ def test_creation_options():
     refused(1, "creation option FOO", *words, "--co", "FOO=1", "-o", "no.tif")
     refused(1, "--co takes NAME=VALUE, not 'BIGTIFF'", *words, "--co", "BIGTIFF", "-o", "no.tif")
     refused(1, "creation option TILED", *words, "--cog", "--co", "TILED=NO", "-o", "no.tif")
-
-
-@pytest.mark.parametrize("product, step, bands", [("--curvature=0", 2.0**-8, 3), ("--svf", 2.0**-14, 1)])
-def test_scaled_integers(product, step, bands):
-    """Int16 with a scale: no value is off by more than half a step, in a COG neither, and no data stay no data."""
-    needs_real()
-    rasterio = pytest.importorskip("rasterio")
-    words = "horizon", REAL, product, "--directions", 3
-    well(*words, "-o", "float.tif")
-    well(*words, "--type", "int16", "--cog", "-o", "int.tif")
-    with rasterio.open("float.tif") as file:
-        wanted = file.read(masked=True)
-        assert set(file.scales) == {1}
-    with rasterio.open("int.tif") as file:
-        got = file.read(masked=True)
-        assert file.dtypes == ("int16",) * bands and set(file.scales) == {step} and set(file.offsets) == {0}
-    holes = np.isnan(wanted.filled(np.nan))
-    assert got.shape[0] == bands and (np.ma.getmaskarray(got) == holes).all() and holes[0].sum() > 3000
-    off = np.abs(got.data * step - wanted.data.astype(float))[~holes]
-    assert off.max() <= step / 2 and (off > 0).sum() > 1000 * bands
-    if product == "--svf":
-        assert "stored        heights are 0 + 6.10351562e-05 x the file's numbers" in run("info", "int.tif").out
-        assert '"scale": 6.103515625e-05, "offset": 0' in run("info", "int.tif", "--json").out
 
 
 def test_sources_are_not_replaced():

@@ -43,11 +43,6 @@ static bool find_module(char path[PATH_MAX]) {
            is_beside(program, "/" CELLWALK_MODULES_FROM_PROGRAM, path);
 }
 
-bool io_gdal_is_there(void) {
-    char path[PATH_MAX];
-    return find_module(path);
-}
-
 static io_gdal_host host;
 static bool has_host;
 

@@ -29,8 +29,7 @@ typedef struct io_raster_product {
     const char *const *notes;      /* metadata as "NAME=value", up to a NULL */
     unsigned threads;              /* that may compress, if the file is large; 0: as many as there are CPUs */
     io_compression compression;
-    double scale; /* > 0: a value is its cell times this; else the cell itself */
-    bool cog;     /* Cloud Optimized GeoTIFF: smaller copies within, written in a second pass by io_raster_commit */
+    bool cog; /* Cloud Optimized GeoTIFF: smaller copies within, written in a second pass by io_raster_commit */
     /* GDAL's creation options as "NAME=VALUE"; they replace the program's own. */
     const char *const *creation;
     size_t creation_count;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* `cellwalk horizon`: the horizon's angle in directions all round, or how much of the sky is seen; of all samples, or of places. */
 
-#include "../json.h"
 #include "command.h"
 #include "inputs.h"
 #include "observers.h"
@@ -18,26 +17,15 @@
 
 static const char name[] = "horizon";
 
-/* Steps of int16, powers of two: shares up to 1 and angles up to 90 have room, and floats hold each multiple exactly. */
-static const double step_of_angle = 0x1p-8, step_of_share = 0x1p-14;
-
-static const char *type_names(size_t number) {
-    static const char *const names[] = {"float32", "int16"};
-    return number < 2 ? names[number] : NULL;
-}
-enum { INT16 = 1 };
-
 typedef struct horizon_command {
     product product;
     cw_horizon desc;
     unsigned directions;
     bool sky, tilted, open, below, distance;
     bool sum;                              /* one band, not one of each direction */
-    int type;                              /* 0: float32, 1: int16 */
     option_again at;                       /* texts of places, or */
     const char *file;                      /* a table of them; NULL: none */
     ground_place places[OPTION_AGAIN_MAX]; /* of at */
-    bool json;
 } horizon_command;
 
 static bool fill(product *p, const product_block *b, void *cells, io_error *error) {
@@ -76,16 +64,6 @@ static bool write_row(job *j, const place_horizon *h, double from_true, io_error
     return (!j->named || io_table_write_cell(&j->to, j->name, error)) && io_output_write(&j->to, "\n", 1, error);
 }
 
-static void write_json(FILE *to, const place_horizon *h, double from_true, bool first) {
-    json_print(to, first ? "\n" : ",\n");
-    json_print(to, "  {'azimuth': %g, 'true_azimuth': %g, 'angle': %g, 'distance': %g, 'at': ", h->azimuth, from_true,
-               h->angle, h->distance);
-    if (isnan(h->angle))
-        fputs("null}", to);
-    else
-        fprintf(to, "[%.10g, %.10g]}", h->at[0], h->at[1]);
-}
-
 static bool read_around(job *j, const ground_place *p, double metres, io_error *error) {
     ground *g = &j->command->product.ground;
     cw_sight_bounds_destroy(j->bounds);
@@ -98,7 +76,6 @@ static bool write_place(job *j, const ground_place *p, io_error *error) {
     const ground *g = &j->command->product.ground;
     const cw_horizon *d = &j->command->desc;
     const terrain *t = &g->terrain;
-    const bool json = j->command->json;
     double eye[3], level, xy[2];
     sight s;
     sun_place north;
@@ -110,29 +87,17 @@ static bool write_place(job *j, const ground_place *p, io_error *error) {
     cw_sight_init(&s, t, j->bounds, eye, d->curvature);
     terrain_to_map(t, eye[0], eye[1], xy);
     if (!sun_place_of(t, &g->about.georef, xy, g->path, NULL, &north, &unknown)) north.turned = NAN;
-    if (json) {
-        json_print(j->to.file, j->number > 1 ? ",\n {" : " {");
-        if (j->named) json_print(j->to.file, "'name': %s, ", j->name);
-        if (!io_output_print(&j->to, error, "\"place\": [%.10g, %.10g], \"horizon\": [", xy[0], xy[1])) return false;
-    }
     for (size_t k = 0; k < d->count; k++) {
         const place_horizon h =
             place_horizon_toward(&s, fmod(d->start + 360.0 * (double)k / (double)d->count, 360), d->max_distance);
-        const double from_true = fmod(h.azimuth - north.turned + 360, 360);
-        if (json)
-            write_json(j->to.file, &h, from_true, k == 0);
-        else if (!write_row(j, &h, from_true, error))
-            return false;
+        if (!write_row(j, &h, fmod(h.azimuth - north.turned + 360, 360), error)) return false;
     }
-    return !json || io_output_print(&j->to, error, "]}");
+    return true;
 }
 
 static bool write_all(job *j, const observers *all, io_error *error) {
-    const bool json = j->command->json;
     j->named = observers_have_names(all);
-    if (!(json ? io_output_print(&j->to, error, "{\"places\": [\n")
-               : io_output_print(&j->to, error, "place,azimuth,true_azimuth,angle,distance,x,y%s\n",
-                                 j->named ? ",name" : "")))
+    if (!io_output_print(&j->to, error, "place,azimuth,true_azimuth,angle,distance,x,y%s\n", j->named ? ",name" : ""))
         return false;
     for (size_t k = 0; k < all->count; k++) {
         char text[OBSERVER_TEXT];
@@ -141,7 +106,7 @@ static bool write_all(job *j, const observers *all, io_error *error) {
         j->name = observers_name(all, k);
         if (!write_place(j, &place, error)) return false;
     }
-    return !json || io_output_print(&j->to, error, "\n]}\n");
+    return true;
 }
 
 /* The horizons of all places, to the output or standard output. */
@@ -194,7 +159,6 @@ static bool begin(product *p, io_error *error) {
         p->raster.unit = c->distance ? "metre" : "degree";
         p->raster.white = c->sum ? 180 : 90;
     }
-    if (c->type == INT16) product_scale(p, c->sum ? step_of_share : step_of_angle);
     /* Without a distance far mountains count, as far as the raster's highest samples let them. */
     p->matters = (ground_matters){.distance = c->desc.max_distance,
                                   .horizons = !c->below,
@@ -207,10 +171,8 @@ static bool begin(product *p, io_error *error) {
 
 static bool check(void *context, size_t *bands) {
     horizon_command *c = context;
-    const char *output = c->product.output;
-    const bool tif = output && io_raster_is_tif(output), at = is_of_places(c);
-    const bool open = c->open || c->below;
-    c->sum = c->sky || c->tilted || open;
+    const bool at = is_of_places(c);
+    c->sum = c->sky || c->tilted || c->open || c->below;
     for (size_t k = 0; k < c->at.count; k++)
         if (!product_parse_place(name, c->at.values[k], 0, &c->places[k])) return false;
     if (c->sky + c->tilted + c->open + c->below > 1)
@@ -219,14 +181,10 @@ static bool check(void *context, size_t *bands) {
         return command_refuse(name, "--openness-negative is that of a flat earth, and goes without --curvature");
     if (c->distance && (c->sum || at))
         return command_refuse(name, "--distance goes with none of --svf, --openness, --at and --places");
-    if (c->type == INT16 && (c->distance || open || !tif))
-        return command_refuse(name, c->distance || open ? "--type int16 is for angles and sky-view factors"
-                                                        : "--type int16 goes with -o FILE.tif");
     if (c->at.count > 0 && c->file) return command_refuse(name, "--at and --places do not go together");
     if (at && (c->sum || c->product.window))
         return command_refuse(
             name, "--at and --places print horizons of places, and go with none of --svf, --openness and --window");
-    if (c->json && !at) return command_refuse(name, "--json goes with --at or --places");
     c->desc.count = c->directions;
     *bands = at ? 0 : c->sum ? 1 : c->directions;
     return true;
@@ -252,9 +210,6 @@ static int run(int argc, char **argv) {
                     "the same between the nadir and the lowest point in each direction: more in valleys"),
         option_flag("distance", &c.distance,
                     "write the distance instead, in metres: how far away the horizon is in each direction"),
-        option_choice("type", "NAME", &c.type, type_names,
-                      "cells of a GeoTIFF: float32 (default), or int16 with a scale, half as large: angles are off by "
-                      "1/512 degree at most, shares by 1/32768"),
         option_several(
             "at", "X,Y[,H]", &c.at,
             "print the horizon at a place of the map, H metres above ground (default: 0) or X,Y,=Z, as CSV: degrees "
@@ -262,7 +217,6 @@ static int run(int argc, char **argv) {
         option_text("places", "FILE", &c.file,
                     "the same for the places of a table (.csv) with the columns x, y and, if there, height and name, "
                     "or of points in any file that GDAL reads; -o names the table to write"),
-        option_flag("json", &c.json, "with --at or --places: print one JSON object"),
         option_metres("max-distance", &c.desc.max_distance,
                       "terrain farther away than D metres does not count (default: no limit)"),
         product_flat_earth_row(&c.desc.curvature),
@@ -284,7 +238,7 @@ static int run(int argc, char **argv) {
                 "the factors are off by at most 0.002. --coarser costs more error than it is worth here.\n",
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
-                    "  cellwalk horizon dem.tif --directions 8 --type int16 --cog -o horizon.tif\n"
+                    "  cellwalk horizon dem.tif --directions 8 --cog -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --openness --max-distance 500 -o open.tif\n"
                     "  cellwalk horizon dem.tif --openness-negative -o deep.png --quiet\n"
                     "  cellwalk horizon dem.tif --directions 8 --distance -o metres.tif\n"

@@ -117,7 +117,7 @@ static int run(int argc, char **argv) {
         .examples = "  cellwalk shadow dem.tif --sun 225,30 -o shadow.tif\n"
                     "  cellwalk shadow dem.tif --time 2024-12-21T13:00:00Z --sun-disc -o light.tif\n"
                     "  cellwalk shadow dem.tif --sun 225,12 -o shadow.png\n"
-                    "  cellwalk shadow dem.tif --sun 315,45 --hillshade --plain -o relief.png\n",
+                    "  cellwalk shadow dem.tif --sun 315,45 --hillshade -o relief.tif\n",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

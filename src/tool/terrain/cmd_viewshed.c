@@ -11,11 +11,6 @@ static const char name[] = "viewshed";
 
 static const double eye_height = 2;
 
-static const char *extent_names(size_t number) {
-    static const char *const names[] = {"near", "full"};
-    return number < sizeof names / sizeof *names ? names[number] : NULL;
-}
-
 /* Who looks. */
 static bool check_observers(viewshed_command *c) {
     observers_from *o = &c->from;
@@ -53,21 +48,20 @@ static bool check_limits(viewshed_command *c) {
 static bool check(void *context, size_t *bands) {
     viewshed_command *c = context;
     (void)bands; /* known when the observers are read */
-    const bool needed = c->needed || c->absolute;
     if (!check_observers(c) || !check_limits(c)) return false;
-    c->kind = needed ? VIEW_NEEDED : c->angle ? VIEW_ANGLE : c->weights ? VIEW_WEIGHT : VIEW_SEEN;
-    if (needed + c->angle + c->weights > 1)
+    c->kind = c->needed ? VIEW_NEEDED : c->angle ? VIEW_ANGLE : c->weights ? VIEW_WEIGHT : VIEW_SEEN;
+    if (c->needed + c->angle + c->weights > 1)
         return command_refuse(name, "of --weights, --angle and --needed one can be written");
     if (c->weights && !c->from.file)
         return command_refuse(name, "--weights goes with --observers FILE, whose weights it adds up");
     if (c->weights && c->bands)
         return command_refuse(name, "--weights adds up observers, and --bands keeps them apart");
-    if (needed && c->vertical)
+    if (c->needed && c->vertical)
         return command_refuse(name,
                               "--vertical is about targets of a given height, and --needed looks for that height");
-    if (c->from.place_count > 1 && c->from.every == 0 && !c->bands && (needed || c->angle))
+    if (c->from.place_count > 1 && c->from.every == 0 && !c->bands && (c->needed || c->angle))
         return command_refuse(name, "%s is that of one observer, not of %zu; --bands writes a band for each",
-                              needed ? "the height that is needed to be seen" : "the angle", c->from.place_count);
+                              c->needed ? "the height that is needed to be seen" : "the angle", c->from.place_count);
     if (c->table && (c->kind != VIEW_SEEN || c->bands))
         return command_refuse(
             name, "--table lists what is seen; it cannot be used with --angle, --bands, --needed or --weights");
@@ -115,7 +109,6 @@ static int run(int argc, char **argv) {
         option_flag("needed", &c.needed,
                     "write the height above ground, in metres, from which on a target is seen; 0 where the ground "
                     "itself is (float32; NaN: no data or too far)"),
-        option_flag("needed-absolute", &c.absolute, "the same as an absolute height in metres"),
         option_flag("bands", &c.bands,
                     "write a band for each observer instead of counts; also with --angle and --needed"),
         option_text(
@@ -129,8 +122,6 @@ static int run(int argc, char **argv) {
         option_flag("skip-outside", &c.skip,
                     "leave out observers outside the raster, on no data or under the ground: they are listed and "
                     "counted (default: the first one ends the run)"),
-        option_choice("extent", "NAME", &c.extent, extent_names,
-                      "with --max-distance: write only samples within it (near, the default), or the full raster"),
     };
     const options_usage usage = {
         .name = name,

@@ -9,7 +9,6 @@
 
 #include <math.h>
 #include <stdarg.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -17,12 +16,7 @@
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */
 
-static const char *compression_names(size_t number) {
-    static const char *const names[] = {"deflate", "zstd", "none"};
-    return number < sizeof names / sizeof *names ? names[number] : NULL;
-}
-
-enum { SHARED = 8 };
+enum { SHARED = 6 };
 
 static void add_rows(product *p, option_spec *to) {
     const option_spec rows[SHARED] = {
@@ -35,13 +29,10 @@ static void add_rows(product *p, option_spec *to) {
         option_output("FILE", &p->output,
                       "the raster to write: .tif (GeoTIFF), .npy (NumPy array) or .png (a picture over the terrain's "
                       "relief, with a world file .pgw if that has a map)"),
-        option_choice("compress", "NAME", &p->compression, compression_names,
-                      "lossless compression of a GeoTIFF: deflate (default), which every program reads, or zstd, which "
-                      "is faster and needs a newer program"),
         option_flag("cog", &p->cog, "write a Cloud Optimized GeoTIFF: GDAL's -of COG"),
         option_several("co", "NAME=VALUE", &p->creation,
-                       "a creation option for GDAL's GTiff driver, or for COG with --cog; may be given several times"),
-        option_flag("plain", &p->plain, "of a .png: grey values alone, from black to white"),
+                       "a creation option for GDAL's GTiff driver, or for COG with --cog, as COMPRESS=ZSTD (default: "
+                       "deflate, which every program reads); may be given several times"),
         option_flag("quiet", &p->quiet, "leave out the line at the end"),
     };
     memcpy(to, rows, sizeof rows);
@@ -90,7 +81,7 @@ static double size_of_text(const char *text) {
 /* Checks the options' values; false after a message. */
 static bool resolve(product *p, size_t bands) {
     const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    const char *of_tif = p->compression != IO_DEFLATE ? "compress" : p->cog ? "cog" : p->creation.count ? "co" : NULL;
+    const char *of_tif = p->cog ? "cog" : p->creation.count ? "co" : NULL;
     p->ground.bytes = pages > 0 && page > 0 ? 0.75 * (double)pages * (double)page : 4e9;
     if (p->memory) p->ground.bytes = size_of_text(p->memory);
     if (p->window && ground_numbers(p->window, p->extent, 4, 4) == 0)
@@ -101,8 +92,6 @@ static bool resolve(product *p, size_t bands) {
     if (bands > 0 && p->output == NULL) return command_refuse(p->name, "nothing to do: give -o FILE for the result");
     if (of_tif != NULL && !(bands > 0 && io_raster_is_tif(p->output)))
         return command_refuse(p->name, "--%s goes with -o FILE.tif", of_tif);
-    if (p->plain && !(bands > 0 && io_raster_is_png(p->output)))
-        return command_refuse(p->name, "--plain goes with -o FILE.png");
     return true;
 }
 
@@ -211,17 +200,10 @@ void product_describe(product *p, io_cell cell, size_t bands, const char *what) 
         .band_names = bands == 1 ? &p->what : NULL,
         .notes = p->notes,
         .threads = cw_pool_threads(g->query.pool),
-        .compression = (io_compression)p->compression,
         .cog = p->cog,
         .creation = p->creation.values,
         .creation_count = p->creation.count,
     };
-}
-
-void product_scale(product *p, double scale) {
-    p->raster.cell = IO_CELL_INT16;
-    p->raster.scale = scale;
-    p->raster.nodata = INT16_MIN;
 }
 
 void product_tell(const product *p, double share) { progress_show(p->name, share); }

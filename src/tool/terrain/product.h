@@ -26,7 +26,7 @@ typedef struct product {
     /* Checks the command line. False after a message. *bands, 1 at first: how many the raster has; 0: none is written, and
      * begin reads the samples that it needs. */
     bool (*check)(void *context, size_t *bands);
-    /* Describes the result in all fields down to scale. */
+    /* Describes the result in all fields down to the options. */
     bool (*begin)(struct product *p, io_error *error);
     bool (*fill)(struct product *p, const product_block *block, void *cells, io_error *error);
     bool (*enter)(struct product *p, io_error *error);  /* the piece in memory is another one, with a field */
@@ -53,8 +53,7 @@ typedef struct product {
     /* Options. */
     const char *name; /* of the subcommand */
     const char *output, *window, *memory;
-    int compression; /* io_compression */
-    bool cog, plain, quiet;
+    bool cog, quiet;
     option_again creation;
     field_options fields;
     double extent[4]; /* of window */
@@ -86,8 +85,6 @@ __attribute__((format(printf, 2, 3))) void product_note(product *p, const char *
 /* Names a band of the described result. All must get a name. */
 __attribute__((format(printf, 4, 5))) bool product_name_band(product *p, size_t band, io_error *error,
                                                              const char *format, ...);
-/* Makes the result int16, of floats that fill fills in: each is the nearest multiple of scale, a power of two. */
-void product_scale(product *p, double scale);
 
 /* For product_run: makes all blocks and writes them. */
 bool product_write(product *p, io_error *error);

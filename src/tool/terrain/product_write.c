@@ -6,8 +6,6 @@
 #include "product.h"
 #include "progress.h"
 
-#include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,7 +26,6 @@ typedef struct writing {
     bool surveyed;      /* the plan's blocks have been taken */
     size_t rows, step;  /* rows of a block; rows of the window for each */
     size_t from, until; /* rows of the window that the piece is good for */
-    size_t cell;        /* bytes of one */
     void *cells;        /* a block */
     outcome outcome;
     picture *picture; /* NULL: rows are written as they come */
@@ -111,17 +108,6 @@ static bool fill_block(writing *w, size_t band, size_t row, size_t rows, io_erro
     return p->fill(p, &block, w->cells, error);
 }
 
-/* Floats to multiples of the scale, in place: each is off by half of that at most, since scales are powers of two. */
-static void pack(void *cells, size_t n, const io_raster_product *p) {
-    for (size_t k = 0; k < n; k++) {
-        float value;
-        memcpy(&value, (const char *)cells + k * sizeof value, sizeof value);
-        const double steps = nearbyint((double)value / p->scale);
-        const int16_t step = (int16_t)(isnan(steps) ? p->nodata : fmin(fmax(steps, -INT16_MAX), INT16_MAX));
-        memcpy((char *)cells + k * sizeof step, &step, sizeof step);
-    }
-}
-
 /* The block as the line at the end counts it and a picture shows it. */
 static bool take_block(writing *w, size_t row, size_t rows, io_error *error) {
     const io_raster_product *p = &w->product->raster;
@@ -143,9 +129,7 @@ static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
             if (!made->in_memory && (at < w->from || at >= w->until) && !next_piece(w, at, error)) return false;
             if (!fill_block(w, band, row, count, error) || (band == 0 && !take_block(w, row, count, error)))
                 return false;
-            if (to == NULL) continue;
-            if (p->scale > 0) pack(w->cells, count * p->nx, p);
-            if (!io_raster_write(to, w->cells, count, error)) return false;
+            if (to != NULL && !io_raster_write(to, w->cells, count, error)) return false;
         }
     return true;
 }
@@ -181,17 +165,15 @@ static void tell_outcome(const product *p, const outcome *o) {
 
 bool product_write(product *p, io_error *error) {
     const io_raster_product *r = &p->raster;
-    writing w = {.product = p,
-                 .step = p->every > 0 ? p->every : 1,
-                 .cell = io_cell_bytes(r->scale > 0 ? IO_CELL_FLOAT32 : r->cell)};
+    writing w = {.product = p, .step = p->every > 0 ? p->every : 1};
     w.rows = block_rows(r, p->passes, !p->in_memory && !fits(&w, ground_all(&p->ground)));
-    w.cells = malloc(w.rows * r->nx * w.cell);
+    w.cells = malloc(w.rows * r->nx * io_cell_bytes(r->cell));
     w.values = malloc(w.rows * r->nx * sizeof *w.values);
     bool good = (w.cells && w.values) || io_fail(error, "out of memory");
     good = good && outcome_begin(&w.outcome, r->nx * r->ny, error);
     good = good && product_good(ground_plan_create(&w.plan, &p->matters, &p->ground.whole, p->ground.window), error);
     good = good && check_pieces(&w, error);
-    if (good) good = io_raster_is_png(p->output) && !p->plain ? write_picture(&w, error) : write_rows(&w, error);
+    if (good) good = io_raster_is_png(p->output) ? write_picture(&w, error) : write_rows(&w, error);
     if (good) tell_outcome(p, &w.outcome);
     ground_plan_destroy(&w.plan);
     outcome_end(&w.outcome);

@@ -43,11 +43,8 @@ static bool read_samples(viewshed_command *c, io_error *error) {
             return io_fail(error, "%s: is too far away from the terrain", observers_place(&c->observers, k, text).text);
         near = cw_reach_both(near, cw_reach_within(&g->whole, at, farthest));
     }
-    if (farthest > 0 && c->extent != VIEW_FULL && c->product.window == NULL) {
-        if (near.nx == 0)
-            return io_fail(error,
-                           "no sample is within %g m of any observer; --extent full writes a raster all the same",
-                           farthest);
+    if (farthest > 0 && c->product.window == NULL) {
+        if (near.nx == 0) return io_fail(error, "no sample is within %g m of any observer", farthest);
         ground_set_window(g, near);
     }
     for (size_t k = 0; k < c->observers.count; k++) {
@@ -199,13 +196,12 @@ static size_t most_seen(const viewshed_command *c) { return c->bands ? 1 : c->ob
 
 /* Cells of a row, whose samples are z, from those of the terrain number first on. */
 static void fill_row(const viewshed_command *c, size_t first, const float *z, size_t n, void *cells) {
-    const double metres = terrain_metres_of_height(&c->product.ground.terrain);
     float *numbers = cells;
     for (size_t k = 0; k < n; k++) {
         const size_t at = first + k;
         const bool hole = !isfinite(z[k]);
         if (c->numbers)
-            numbers[k] = c->absolute ? (float)(c->numbers[at] + z[k] * metres) : c->numbers[at];
+            numbers[k] = c->numbers[at];
         else if (c->sums)
             numbers[k] = hole ? NAN : (float)c->sums[at];
         else if (most_seen(c) <= COUNT_SMALL)
@@ -239,9 +235,7 @@ static const char *meaning(const viewshed_command *c) {
     if (c->weights) return "sum of the weights of the observers that see the target";
     if (c->kind == VIEW_ANGLE)
         return "angle of the target above the observer's horizontal; no data where it is not seen";
-    if (c->kind == VIEW_NEEDED)
-        return c->absolute ? "height that is needed to be seen, absolute"
-                           : "height above ground that is needed to be seen";
+    if (c->kind == VIEW_NEEDED) return "height above ground that is needed to be seen";
     return most_seen(c) > 1 ? "number of observers that see the target"
                             : "1 where the target is seen, 0 where it is not";
 }

@@ -24,12 +24,10 @@ typedef struct viewshed_command {
     const char *azimuth, *vertical; /* as texts; NULL: not given */
     view_kind kind;                 /* counts that two bytes do not hold are sums */
     bool weights, angle, needed;
-    bool absolute;      /* of VIEW_NEEDED: heights */
     bool bands;         /* one for each observer */
     const char *table;  /* a file with a line for each observer; NULL: none */
     const char *within; /* of polygons, inside of which samples count in the table; NULL: all do */
     bool skip;          /* observers without ground, in place of an error */
-    int extent;         /* VIEW_FULL: all of the raster, even with a greatest distance */
 
     /* The work. */
     observers observers;
@@ -45,8 +43,6 @@ typedef struct viewshed_command {
     io_output table_file;
     bool named; /* in the table: the file names observers */
 } viewshed_command;
-
-enum { VIEW_NEAR, VIEW_FULL };
 
 /* For a product. */
 bool viewshed_begin(product *p, io_error *error);

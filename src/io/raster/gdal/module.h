@@ -65,7 +65,4 @@ typedef const io_gdal *io_gdal_entry(const io_gdal_host *host);
 /* In the program: loads the module at the first call. NULL, with the reason, if it is not there. */
 const io_gdal *io_gdal_load(io_error *error);
 
-/* Whether the module is there to be loaded. */
-bool io_gdal_is_there(void);
-
 #endif

@@ -58,8 +58,6 @@ static bool describe(io_gdal_target *t, const io_raster_product *p) {
         GDALRasterBandH band = GDALGetRasterBand(t->file, (int)b + 1);
         if (p->has_nodata && GDALSetRasterNoDataValue(band, p->nodata) != CE_None) return false;
         if (p->band_names != NULL) GDALSetDescription(band, p->band_names[b]);
-        if (p->scale > 0 && (GDALSetRasterScale(band, p->scale) != CE_None || GDALSetRasterOffset(band, 0) != CE_None))
-            return false;
         if (p->unit != NULL && GDALSetRasterUnitType(band, p->unit) != CE_None) return false;
     }
     return true;
