@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A pool that several threads use at once: each gets the answers that it would get alone, and none waits for ever. */
+/* A pool that several threads use at once: each gets the answers that it would get alone, and none waits for ever. A watch sees growing
+ * shares of each call of the libraries, and ends it. */
 
 #include "calls.h"
 #include "case.h"
@@ -210,6 +211,58 @@ static void no_function_is_a_cancellation_point(void **state) {
     calls_end();
 }
 
+/* ---- watches ------------------------------------------------------------------------------------------------------- */
+
+typedef struct watch {
+    double first, last, stop_at;
+    unsigned calls, wrong;
+    atomic_int inside;
+} watch;
+
+/* Growing shares up to all; then another call may begin. From one thread at a time. */
+static bool look(void *context, double done) {
+    watch *w = context;
+    if (w->last >= 1 && w->last < w->stop_at) w->last = 0;
+    w->wrong += atomic_fetch_add(&w->inside, 1) != 0 || !(done > w->last && done <= 1) || w->last >= w->stop_at;
+    if (w->calls++ == 0) w->first = done;
+    w->last = done;
+    atomic_fetch_sub(&w->inside, 1);
+    return done < w->stop_at;
+}
+
+/* A watch changes no answer, and ends the call wherever it says so. */
+static void each_call_is_watched(void **state) {
+    (void)state;
+    static test_field large;
+    cw_pool *pool;
+    check_status(cw_pool_create(3, &pool), CW_OK);
+    field_make_land(&large, 256, 200);
+    calls_begin(&large, NULL);
+    for (size_t k = 0; k < every_calls_count; k++) {
+        const every_call *c = &every_calls[k];
+        if (c->unwatched) continue;
+        calls_sum();
+        check_status(c->make(NULL), CW_OK);
+        const uint64_t sum = calls_sum();
+        for (int shared = 0; shared < 2; shared++) {
+            watch w = {.stop_at = 2};
+            const cw_run run = {.pool = shared ? pool : NULL, .watch = look, .watch_context = &w};
+            check_status(c->make(&run), CW_OK);
+            check(calls_sum() == sum, "%s: other answers under a watch", c->name);
+            check(w.last > 1 - 1e-9 && w.calls > 2 && w.wrong == 0, "%s: %u calls, %u wrong, up to %g", c->name,
+                  w.calls, w.wrong, w.last);
+            /* Rays may be slow, so the first piece is small. */
+            check(k > 1 || shared || w.first <= 0.1, "%s: %g at once", c->name, w.first);
+            for (double stop = 1e-9; stop < 1; stop += 0.1) {
+                w = (watch){.stop_at = stop};
+                check(c->make(&run) == CW_ERROR_CANCELLED && w.wrong == 0, "%s goes on after %g", c->name, w.last);
+            }
+        }
+    }
+    calls_end();
+    cw_pool_destroy(pool);
+}
+
 /* ---- processes that fork ------------------------------------------------------------------------------------------- */
 
 /* A child has none of its parent's threads, and goes on with the pool alone. */
@@ -315,9 +368,10 @@ static void fields_outlive_a_fork(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(callers_at_once),      cmocka_unit_test(work_within_work),
-        cmocka_unit_test(each_item_once),       cmocka_unit_test(no_function_is_a_cancellation_point),
-        cmocka_unit_test(pools_outlive_a_fork), cmocka_unit_test(fields_outlive_a_fork),
+        cmocka_unit_test(callers_at_once),       cmocka_unit_test(work_within_work),
+        cmocka_unit_test(each_item_once),        cmocka_unit_test(no_function_is_a_cancellation_point),
+        cmocka_unit_test(each_call_is_watched),  cmocka_unit_test(pools_outlive_a_fork),
+        cmocka_unit_test(fields_outlive_a_fork),
     };
     return cmocka_run_group_tests(tests, set_up, case_end);
 }

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* soak SECONDS [SEED]: fields made, asked by every kernel, and destroyed, for so long, with what the fuzzer of the library does
- * for random inputs, and with large fields, updates, pools and headings between them. All of it under a limit on memory, and
+ * for random inputs, and with each function of the libraries on a large field and a pool between them. All of it under a limit on memory, and
  * with no byte more in use after each round than after the first: in an hour no caller loses what a second does not show.
  * Allocations may fall into another's place, so the process as a whole may grow by a little; by more it fails, too. */
 
 #include "api.h"
+#include "calls.h"
+#include "rays.h"
 #include "reference.h"
 
 #include "cellwalk_expert.h"
 
 #include <malloc.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,15 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum {
-    ROUNDS_LEAST = 3,
-    INPUTS = 500,
-    LARGE_SIDE = 600,
-    LARGE_RAYS = 20000,
-    UPDATES = 4,
-    LIMIT_MB = 512,
-    GROWTH_MAX_KB = 16 << 10
-};
+enum { ROUNDS_LEAST = 3, INPUTS = 500, SIDE = 250, RAYS = 20000, LIMIT_MB = 512, GROWTH_MAX_KB = 16 << 10 };
 
 static uint64_t state = 88172645463325252;
 
@@ -61,70 +54,30 @@ static void must(cw_status status, const char *what) {
     exit(EXIT_FAILURE);
 }
 
-static cw_ray rays[LARGE_RAYS];
-static cw_hit hits[LARGE_RAYS], others[LARGE_RAYS];
-
-/* Some rectangles of the field change; a field made of the new samples gives the same bits. */
-static void change(cw_field *field, cw_field_desc *desc, float *samples, cw_pool *pool) {
-    for (int k = 0; k < UPDATES; k++) {
-        cw_update update = {.at = {.i = draw() % LARGE_SIDE, .j = draw() % LARGE_SIDE}, .stride = LARGE_SIDE};
-        update.at.nx = 1 + draw() % (LARGE_SIDE - update.at.i);
-        update.at.ny = 1 + draw() % (LARGE_SIDE - update.at.j);
-        float *first = samples + update.at.j * LARGE_SIDE + update.at.i;
-        for (size_t y = 0; y < update.at.ny; y++)
-            for (size_t x = 0; x < update.at.nx; x++) first[y * LARGE_SIDE + x] = (float)(draw() % 64);
-        update.samples = first;
-        must(cw_field_update(field, &(cw_run){.pool = pool}, &update), "update");
-    }
-    cw_field *anew;
-    must(cw_field_create(desc, NULL, &anew), "field of changed samples");
-    must(cw_closest(field, NULL, rays, LARGE_RAYS, hits), "changed field");
-    must(cw_closest(anew, NULL, rays, LARGE_RAYS, others), "field of changed samples");
-    api_done.rays += LARGE_RAYS;
-    cw_field_destroy(anew);
-    if (memcmp(hits, others, sizeof hits) == 0) return;
-    fprintf(stderr, "soak: an updated field answers otherwise than one made anew\n");
-    exit(EXIT_FAILURE);
-}
-
-/* A field that threads share, each structure built, each kernel asked; what takes long, only now and then. */
+/* Every kernel on a large field, and each function of the libraries, on a pool. */
 static void large(void) {
-    float *samples = malloc(sizeof *samples * LARGE_SIDE * LARGE_SIDE);
-    if (samples == NULL) abort();
-    for (size_t k = 0; k < (size_t)LARGE_SIDE * LARGE_SIDE; k++) samples[k] = (float)(draw() % 64);
-    for (size_t k = 0; k < LARGE_RAYS; k++)
-        rays[k] = (cw_ray){.org = {(float)(draw() % LARGE_SIDE), (float)(draw() % LARGE_SIDE), 70},
-                           .dir = {(float)(draw() % 9) - 4, (float)(draw() % 9) - 4, -1},
-                           .tmax = INFINITY};
-    cw_field_desc desc = {0};
-    desc.samples = samples;
-    desc.nx = desc.ny = LARGE_SIDE;
-    cw_field *field;
+    static test_field land;
+    static cw_ray rays[RAYS];
+    static cw_hit hits[RAYS];
+    random_state r = {draw()};
     cw_pool *pool;
-    cw_heading *heading;
+    field_make(&land, FIELD_RANDOM, SIDE, SIDE, draw());
+    for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make((ray_class)(k % RAY_CLASSES), &land, &r);
     must(cw_pool_create(3, &pool), "pool");
-    must(cw_field_create(&desc, NULL, &field), "field");
+    cw_field *field = calls_begin(&land, NULL);
     for (size_t k = 0; k < cw_kernel_count(); k++) {
-        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        const cw_run query = {.expert.kernel = cw_kernel_at(k), .pool = pool};
+        const cw_kernel_info info = cw_kernel_describe(query.expert.kernel);
         const bool slow = info.default_leaf != CW_LEAF_WATERTIGHT;
         if (!info.available || (slow && draw() % 8 != 0)) continue;
-        must(cw_field_build(field, &(cw_run){.expert.kernel = cw_kernel_at(k)}), info.name);
-        const size_t n = slow ? LARGE_RAYS / 1000 : LARGE_RAYS;
-        const cw_run query = {.expert.kernel = cw_kernel_at(k), .pool = pool};
-        must(cw_closest(field, &query, rays, n, hits), info.name);
-        api_done.rays += n;
+        must(cw_field_build(field, &query), info.name);
+        must(cw_closest(field, &query, rays, slow ? RAYS / 1000 : RAYS, hits), info.name);
+        api_done.rays += slow ? RAYS / 1000 : RAYS;
     }
-    change(field, &desc, samples, pool);
-    must(cw_heading_create(field, &(cw_heading_desc){.dir = {1, 0.5}}, &heading),
-         "heading"); /* its slopes go where the samples were */
-    const cw_run query = {.pool = pool};
-    must(cw_heading_steepest(heading, &query, -INFINITY, INFINITY, (cw_rectangle){0, 0, LARGE_SIDE, LARGE_SIDE},
-                             samples),
-         "heading");
-    cw_heading_destroy(heading);
-    cw_field_destroy(field);
+    for (size_t k = 0; k < every_calls_count; k++)
+        must(every_calls[k].make(&(cw_run){.pool = pool}), every_calls[k].name);
+    calls_end();
     cw_pool_destroy(pool);
-    free(samples);
 }
 
 static void round_of_inputs(void) {

@@ -10,6 +10,7 @@ typedef struct every_call {
     size_t stack; /* bytes of it that the headers promise */
     /* On the field that calls_begin has made. CW_OK if all went as it should. */
     cw_status (*make)(const cw_run *run);
+    bool unwatched; /* no watch is called, or terrain/areas.c looks at it */
 } every_call;
 
 extern const every_call every_calls[];
@@ -21,5 +22,8 @@ enum { STACK_FOR_FEW = 16 << 10, STACK_FOR_ALL = 128 << 10, STACK_FOR_TERRAIN = 
 /* Makes a field of up to 256 × 256 samples, which stay, with a terrain. allocator may be NULL. */
 cw_field *calls_begin(const test_field *f, const cw_allocator *allocator);
 void calls_end(void);
+
+/* A sum of all answers of calls since the last one. */
+uint64_t calls_sum(void);
 
 #endif

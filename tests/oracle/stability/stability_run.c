@@ -1,25 +1,81 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "stability/run.h"
+#include "workload/fractal_terrain.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-void counts_add(counts *a, const counts *b) {
-    a->rays += b->rays;
-    a->hits += b->hits;
-    a->pass += b->pass;
-    a->leaks += b->leaks;
-    a->phantoms += b->phantoms;
-    a->exact += b->exact;
-    a->other += b->other;
-    a->residual = fmax(a->residual, b->residual);
-    a->apart = fmax(a->apart, b->apart);
-    a->sampled += b->sampled;
-    for (int v = 0; v < VERDICTS; v++) a->verdict[v] += b->verdict[v];
-    a->t_error = fmax(a->t_error, b->t_error);
-    for (int k = 0; k < ULP_BINS; k++) a->ulp[k] += b->ulp[k];
-    a->unfounded += b->unfounded;
+/* ---- fields ------------------------------------------------------------------------------------------------------ */
+
+/* Small, from smooth land to whole numbers and cliffs, planes that hardly rise and heights that are denormal. */
+typedef enum shape { LAND, SEA, NOISE, INTEGERS, CLIFFS, SLOPE, SWELL, FLAT, GENTLE, FAINT } shape;
+
+/* amount: the relief of land, the roughness of water. */
+static const struct {
+    const char *name, *text;
+    size_t nx, ny;
+    shape shape;
+    float amount;
+    uint32_t seed;
+} fields[AIMED_FIELDS] = {
+    {"fractal", "fractal land, 513 x 513, relief a tenth of the side", 513, 513, LAND, 0.1f, 5},
+    {"noise", "uniform in [0, 1), 65 x 65", 65, 65, NOISE, 0, 1},
+    {"integers", "whole numbers from -2 to 2, 64 x 33", 64, 33, INTEGERS, 0, 2},
+    {"cliffs", "0 beside 10^6, 48 x 48", 48, 48, CLIFFS, 0, 0},
+    {"slope", "one plane, exactly, 129 x 129", 129, 129, SLOPE, 0, 0},
+    {"swell", "a slope of 0.3 with ripples of 10^-4, 257 x 257", 257, 257, SWELL, 0, 5},
+    {"flat", "one height, 33 x 33", 33, 33, FLAT, 0, 0},
+    {"sea", "waves, 200 x 200", 200, 200, SEA, 0.2f, 5},
+    {"gentle", "a plane of slopes 5·10^-5 and 3·10^-5, 257 x 257", 257, 257, GENTLE, 0, 0},
+    {"faint", "uniform in [0, 1) times 2^-136, 65 x 65", 65, 65, FAINT, 0, 6},
+};
+
+static double sample(shape kind, size_t i, size_t j, random_state *r) {
+    const double x = random_unit(r);
+    switch (kind) {
+    case NOISE:
+        return x;
+    case INTEGERS:
+        return floor(5 * x) - 2;
+    case CLIFFS:
+        return (i + j) / 2 % 2 ? 1e6 : 0;
+    case SLOPE:
+        return 3 * (double)i - 2 * (double)j;
+    case SWELL:
+        return 0.3 * (double)i + 0.1 * (double)j + 1e-4 * x;
+    case GENTLE:
+        return 5e-5 * (double)i + 3e-5 * (double)j;
+    case FAINT:
+        return ldexp(x, -136);
+    default:
+        return 0.375;
+    }
+}
+
+static bool make_samples(size_t number, workload_field *field) {
+    const size_t nx = fields[number].nx, ny = fields[number].ny;
+    const shape kind = fields[number].shape;
+    float *z = malloc(nx * ny * sizeof *z);
+    random_state r = {fields[number].seed};
+    *field = (workload_field){fields[number].name, fields[number].text, nx, ny, z};
+    if (z && kind == LAND)
+        terrain_fractal(z, nx, ny, fields[number].seed, fields[number].amount);
+    else if (z && kind == SEA)
+        terrain_sea(z, nx, ny, fields[number].seed, fields[number].amount);
+    else
+        for (size_t k = 0; z && k < nx * ny; k++) z[k] = (float)sample(kind, k % nx, k / nx, &r);
+    return z != NULL;
+}
+
+static bool make_field(stability_field *f, size_t number) {
+    workload_field *samples = &f->samples;
+    if (!make_samples(number, samples) || workload_field_open(samples, CW_BORROW, false, &f->field) != CW_OK)
+        return false;
+    f->aimed = aimed_field_of(f->field);
+    f->oracle = oracle_create(samples->z, samples->nx, samples->ny);
+    return f->oracle != NULL;
 }
 
 /* ---- contenders -------------------------------------------------------------------------------------------------- */
@@ -41,7 +97,7 @@ static bool add_kernels(stability *s, size_t f, const stability_shares *shares, 
             if (!watertight && kernel != best && !is_slow(info.name)) continue;
             tested *t = &s->tested[f][*n];
             t->role = !watertight ? ROLE_OTHER_RULES : kernel == best ? ROLE_REFERENCE : ROLE_SAME_BITS;
-            t->rays = is_slow(info.name) ? SLOW_RAYS : BATCH_RAYS;
+            t->rays = is_slow(info.name) ? BATCH_RAYS / 8 : BATCH_RAYS;
             t->every = kernel == best && watertight ? 1 : is_slow(info.name) ? shares->slow : shares->others;
             t->turn = (unsigned)k;
             if (contender_from_kernel(&t->contender, s->field[f].field, kernel, (cw_leaf)leaf) != CW_OK) return false;
@@ -68,15 +124,6 @@ static bool add_peers(stability *s, size_t f, const stability_shares *shares, un
     return true;
 }
 
-static bool make_field(stability_field *f, size_t number) {
-    workload_field *samples = &f->samples;
-    if (!aimed_field_make(number, samples) || workload_field_open(samples, CW_BORROW, false, &f->field) != CW_OK)
-        return false;
-    f->aimed = aimed_field_of(f->field);
-    f->oracle = oracle_create(samples->z, samples->nx, samples->ny);
-    return f->oracle != NULL;
-}
-
 bool stability_make(stability *s, stability_shares shares, unsigned sample, io_error *error) {
     *s = (stability){.sample = sample};
     for (size_t f = 0; f < AIMED_FIELDS; f++) {
@@ -100,12 +147,7 @@ void stability_free(stability *s) {
 
 /* ---- a batch ----------------------------------------------------------------------------------------------------- */
 
-/* Aimed rays of which the exact oracle's bounds say, without tracing anything, that they pass: so a miss is a leak. */
-typedef struct proven_ray {
-    cw_ray ray;
-    bool passes; /* a miss is a leak; else nothing is known about misses */
-} proven_ray;
-
+/* Whether the exact oracle's bounds say, without tracing anything, that the ray passes: so a miss is a leak. */
 static bool passes(oracle *o, const aimed_ray *a) {
     if (!oracle_ray(o, &a->ray)) return false;
     for (int end = 0; end < 2; end++) {
@@ -116,14 +158,15 @@ static bool passes(oracle *o, const aimed_ray *a) {
     return true;
 }
 
-static proven_ray make_ray(aim kind, aim_start start, const stability_field *f, random_state *r) {
-    proven_ray p = {.passes = false};
+/* True if it passes; else nothing is known about a miss. */
+static bool make_ray(aim kind, aim_start start, const stability_field *f, random_state *r, cw_ray *ray) {
     /* Rounding may spoil one; many of those that graze cannot be proved. */
-    for (int tries = kind == AIM_GRAZING ? 1 : 8; tries > 0 && !p.passes; tries--) {
+    for (int tries = kind == AIM_GRAZING ? 1 : 8; tries > 0; tries--) {
         const aimed_ray a = aimed_ray_make(kind, start, &f->aimed, r);
-        p = (proven_ray){a.ray, passes(f->oracle, &a)};
+        *ray = a.ray;
+        if (passes(f->oracle, &a)) return true;
     }
-    return p;
+    return false;
 }
 
 typedef struct batch {
@@ -132,13 +175,13 @@ typedef struct batch {
     aim kind;
     aim_start start;
     uint64_t number;
-    proven_ray proven[BATCH_RAYS];
+    bool passes[BATCH_RAYS];
     cw_ray rays[BATCH_RAYS];
     cw_hit reference[BATCH_RAYS], hits[BATCH_RAYS];
 } batch;
 
 static void explain(batch *b, const tested *t, size_t k, const cw_hit *hit, const char *what) {
-    if (!b->s->explain || b->s->explained++ >= 8) return;
+    if (b->s->explained++ >= 8) return;
     printf("%s: %s, field %s, class %s, starting %s, batch %llu, ray %zu\n", t->contender.name, what,
            b->field->samples.name, aim_name(b->kind), aim_start_name(b->start), (unsigned long long)b->number, k);
     const cw_ray *r = &b->rays[k];
@@ -153,33 +196,25 @@ static void explain(batch *b, const tested *t, size_t k, const cw_hit *hit, cons
 static void check_all(batch *b, const tested *t, const cw_hit *hits, counts *c) {
     oracle *o = b->field->oracle;
     for (size_t k = 0; k < t->rays; k++) {
-        const bool pass = b->proven[k].passes;
-        c->pass += pass;
+        const bool pass = b->passes[k];
+        c->of[PASS] += pass;
         if (hits[k].i < 0) {
             if (!pass) continue;
-            c->leaks++;
+            c->of[LEAKS]++;
             if (t->role == ROLE_REFERENCE) explain(b, t, k, &hits[k], "leak");
             continue;
         }
-        c->hits++;
+        c->of[HITS]++;
         oracle_ray(o, &b->rays[k]);
         const hit_check check = oracle_check(o, &hits[k]);
-        c->exact += check.uncertain;
         if (check.holds) {
             c->residual = fmax(c->residual, check.residual);
             c->apart = fmax(c->apart, check.apart / check.apart_most);
             continue;
         }
-        c->phantoms++;
+        c->of[PHANTOMS]++;
         if (t->role == ROLE_REFERENCE) explain(b, t, k, &hits[k], "phantom");
     }
-}
-
-static void count_ulp(counts *c, double error, double t) {
-    const double ulp = fmax(ldexp(1, ilogb(t == 0 ? 0x1p-126 : t) - 23), 0x1p-149);
-    int bin = 0;
-    while (bin < ULP_BINS - 1 && error > ldexp(ulp, bin - 1)) bin++;
-    c->ulp[bin]++;
 }
 
 /* One ray in so many, in full. */
@@ -188,15 +223,14 @@ static void judge_sample(batch *b, const tested *t, const cw_hit *hits, counts *
     for (size_t k = (size_t)(b->number % b->s->sample); k < t->rays; k += b->s->sample) {
         const oracle_truth *truth = oracle_trace(o, &b->rays[k]);
         const judgement j = oracle_judge(o, &hits[k]);
-        c->sampled++;
-        c->verdict[j.verdict]++;
-        if (b->proven[k].passes && !truth->passes) {
-            c->unfounded++;
+        c->of[SAMPLED]++;
+        c->of[RIGHT + j.verdict]++;
+        if (b->passes[k] && !truth->passes) {
+            c->of[UNFOUNDED]++;
             explain(b, t, k, &hits[k], "no pass, although it was to be one");
         }
         if (j.verdict > VERDICT_TIE && t->role == ROLE_REFERENCE) explain(b, t, k, &hits[k], verdict_name(j.verdict));
         if (j.verdict != VERDICT_RIGHT || hits[k].i < 0) continue;
-        count_ulp(c, j.t_error, truth->t);
         if (isfinite(j.t_bound) && j.t_error > 0) c->t_error = fmax(c->t_error, j.t_error / j.t_bound);
     }
 }
@@ -209,7 +243,7 @@ static void compare(batch *b, const tested *t, const cw_hit *hits, counts *c) {
         const bool same =
             memcmp(&hits[k], &b->reference[k], sizeof hits[k]) == 0 && occluded[k] == (b->reference[k].i >= 0);
         if (same) continue;
-        c->other++;
+        c->of[OTHER]++;
         explain(b, t, k, &hits[k], "not the reference's answer");
     }
 }
@@ -225,10 +259,7 @@ void stability_batch(stability *s, uint64_t number) {
     b.field = &s->field[f];
     random_state r = {number * 0x9e3779b97f4a7c15u};
     r.state = random_bits(&r); /* so that neighbours do not share numbers */
-    for (size_t k = 0; k < BATCH_RAYS; k++) {
-        b.proven[k] = make_ray(b.kind, b.start, b.field, &r);
-        b.rays[k] = b.proven[k].ray;
-    }
+    for (size_t k = 0; k < BATCH_RAYS; k++) b.passes[k] = make_ray(b.kind, b.start, b.field, &r, &b.rays[k]);
     for (unsigned n = 0; n < s->contenders; n++) {
         const tested *t = &s->tested[f][n];
         if (round % t->every != t->turn % t->every) continue;
@@ -237,34 +268,38 @@ void stability_batch(stability *s, uint64_t number) {
         counts *c = &s->count[n][b.kind][b.start];
         cw_hit *hits = t->role == ROLE_REFERENCE ? b.reference : b.hits;
         t->contender.closest(&t->contender, b.rays, t->rays, hits);
-        c->rays += t->rays;
+        c->of[RAYS] += t->rays;
         if (t->role != ROLE_OTHER_RULES) compare(&b, t, hits, c);
         if (t->role == ROLE_SAME_BITS) {
-            for (size_t k = 0; k < t->rays; k++) c->hits += hits[k].i >= 0;
+            for (size_t k = 0; k < t->rays; k++) c->of[HITS] += hits[k].i >= 0;
             continue;
         }
         check_all(&b, t, hits, c);
         judge_sample(&b, t, hits, c);
     }
-    s->batches++;
 }
 
 counts stability_sum(const stability *s, unsigned which, aim kind) {
-    counts sum = {0};
+    counts sum = {.residual = 0};
     for (aim k = 0; k < AIM_COUNT; k++)
-        for (int start = 0; start < START_COUNT && (k == kind || kind == AIM_COUNT); start++)
-            counts_add(&sum, &s->count[which][k][start]);
+        for (int start = 0; start < START_COUNT && (k == kind || kind == AIM_COUNT); start++) {
+            const counts *c = &s->count[which][k][start];
+            for (int w = 0; w < WHATS; w++) sum.of[w] += c->of[w];
+            sum.residual = fmax(sum.residual, c->residual);
+            sum.apart = fmax(sum.apart, c->apart);
+            sum.t_error = fmax(sum.t_error, c->t_error);
+        }
     return sum;
 }
 
-uint64_t stability_faults(const stability *s) {
-    uint64_t faults = 0;
+size_t stability_faults(const stability *s) {
+    size_t faults = 0;
     for (unsigned n = 0; n < s->contenders; n++) {
         const counts c = stability_sum(s, n, AIM_COUNT);
-        faults += c.other + c.unfounded;
+        faults += c.of[OTHER] + c.of[UNFOUNDED];
         if (s->tested[0][n].role == ROLE_REFERENCE)
-            faults += c.leaks + c.phantoms + c.verdict[VERDICT_LEAK] + c.verdict[VERDICT_PHANTOM] +
-                      c.verdict[VERDICT_WRONG_SURFACE] + (c.t_error > 1);
+            faults += c.of[LEAKS] + c.of[PHANTOMS] + c.of[RIGHT + VERDICT_LEAK] + c.of[RIGHT + VERDICT_PHANTOM] +
+                      c.of[RIGHT + VERDICT_WRONG_SURFACE] + (c.t_error > 1);
     }
     return faults;
 }

@@ -18,7 +18,6 @@ static int set_up(void **state) {
     io_error error = {{0}};
     const bool good = stability_make(&run, (stability_shares){.others = 8, .slow = 31}, 512, &error);
     check(good, "%s", error.text);
-    run.explain = true;
     return 0;
 }
 
@@ -30,28 +29,26 @@ static int tear_down(void **state) {
 
 static void test_million_rays_a_class(void **state) {
     (void)state;
-    const uint64_t batches = test_share(test_rounds() * ROUNDS, 1) * ROUND_BATCHES;
-    for (uint64_t n = 0; n < batches; n++) stability_batch(&run, n);
+    const size_t batches = test_share(test_rounds() * ROUNDS, 1) * ROUND_BATCHES;
+    for (size_t n = 0; n < batches; n++) stability_batch(&run, n);
     for (int kind = 0; kind < AIM_COUNT; kind++) {
         const counts sum = stability_sum(&run, 0, (aim)kind), *c = &sum;
-        printf(
-            "%-9s %9llu rays, %9llu known to pass, %llu leaks, %llu phantoms; worst |d| / E %.3f, off the triangle / "
-            "delta %.3f, error of t / bound %.3f\n",
-            aim_name((aim)kind), (unsigned long long)c->rays, (unsigned long long)c->pass, (unsigned long long)c->leaks,
-            (unsigned long long)c->phantoms, c->residual, c->apart, c->t_error);
-        const uint64_t least = kind == AIM_GRAZING ? c->rays / 8 : c->rays - c->rays / 100;
-        check(c->pass >= least, "class %s: too few rays are known to pass for the test to mean anything",
+        printf("%-9s %9zu rays, %9zu known to pass, %zu leaks, %zu phantoms; worst |d| / E %.3f, off the triangle / "
+               "delta %.3f, error of t / bound %.3f\n",
+               aim_name((aim)kind), c->of[RAYS], c->of[PASS], c->of[LEAKS], c->of[PHANTOMS], c->residual, c->apart,
+               c->t_error);
+        const size_t least = kind == AIM_GRAZING ? c->of[RAYS] / 8 : c->of[RAYS] - c->of[RAYS] / 100;
+        check(c->of[PASS] >= least, "class %s: too few rays are known to pass for the test to mean anything",
               aim_name((aim)kind));
     }
     for (unsigned n = 1; n < run.contenders; n++) {
         const counts sum = stability_sum(&run, n, AIM_COUNT);
-        printf("%-26s %9llu rays, %llu leaks, %llu phantoms, %llu other bits\n", run.tested[0][n].contender.name,
-               (unsigned long long)sum.rays, (unsigned long long)sum.leaks, (unsigned long long)sum.phantoms,
-               (unsigned long long)sum.other);
-        check(sum.rays > 0 || batches < run.tested[0][n].every * (uint64_t)ROUND_BATCHES, "%s took no part",
+        printf("%-26s %9zu rays, %zu leaks, %zu phantoms, %zu other bits\n", run.tested[0][n].contender.name,
+               sum.of[RAYS], sum.of[LEAKS], sum.of[PHANTOMS], sum.of[OTHER]);
+        check(sum.of[RAYS] > 0 || batches < run.tested[0][n].every * (size_t)ROUND_BATCHES, "%s took no part",
               run.tested[0][n].contender.name);
     }
-    check(stability_faults(&run) == 0, "%llu faults", (unsigned long long)stability_faults(&run));
+    check(stability_faults(&run) == 0, "%zu faults", stability_faults(&run));
 }
 
 /* A wrapper around the reference that answers wrongly now and then. */
@@ -77,7 +74,7 @@ static counts lies(double by) {
     for (size_t f = 0; f < AIMED_FIELDS; f++) liar.tested[f][0].contender.closest = lie;
     honest = &run.tested[0][0].contender;
     wrong_by = by;
-    for (uint64_t n = 0; n < ROUND_BATCHES; n++) stability_batch(&liar, n);
+    for (size_t n = 0; n < ROUND_BATCHES; n++) stability_batch(&liar, n);
     const counts sum = stability_sum(&liar, 0, AIM_COUNT);
     stability_free(&liar);
     return sum;
@@ -85,14 +82,14 @@ static counts lies(double by) {
 
 static void test_faults_are_seen(void **state) {
     (void)state;
-    const uint64_t changed = (uint64_t)ROUND_BATCHES * BATCH_RAYS / 64;
+    const size_t changed = (size_t)ROUND_BATCHES * BATCH_RAYS / 64;
     const counts missing = lies(0), shifted = lies(1);
-    check(missing.leaks > changed / 2, "only %llu of %llu hits that were taken away count as leaks",
-          (unsigned long long)missing.leaks, (unsigned long long)changed);
-    check(missing.phantoms == 0, "a miss counts as a phantom");
-    check(shifted.phantoms > changed / 2, "only %llu of %llu shifted hits count as phantoms",
-          (unsigned long long)shifted.phantoms, (unsigned long long)changed);
-    check(shifted.leaks == 0, "a shifted hit counts as a leak");
+    check(missing.of[LEAKS] > changed / 2, "only %zu of %zu hits that were taken away count as leaks",
+          missing.of[LEAKS], changed);
+    check(missing.of[PHANTOMS] == 0, "a miss counts as a phantom");
+    check(shifted.of[PHANTOMS] > changed / 2, "only %zu of %zu shifted hits count as phantoms", shifted.of[PHANTOMS],
+          changed);
+    check(shifted.of[LEAKS] == 0, "a shifted hit counts as a leak");
 }
 
 int main(void) {
