@@ -12,8 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static cw_hit got[RAYS];
-
 /* ---- misuse ----------------------------------------------------------------------------------------------------- */
 
 static cw_status try_create(cw_field_desc desc) {
@@ -197,28 +195,6 @@ static void test_bad_queries(void **state) {
     for (size_t k = 0; k < sizeof occluded; k++) check(occluded[k] == 0x5a, "an error wrote to the results");
 }
 
-static void test_unavailable_kernels(void **state) {
-    (void)state;
-    const cw_isa machine = cw_isa_best();
-    for (int limit = CW_ISA_SCALAR; limit < CW_ISA_COUNT; limit++) {
-        cw_isa_limit((cw_isa)limit);
-        check(cw_isa_includes(machine, cw_isa_best()) && cw_isa_includes((cw_isa)limit, cw_isa_best()),
-              "the limit does not hold");
-        for (size_t k = 0; k < cw_kernel_count(); k++) {
-            const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-            const cw_run q = {.expert.kernel = cw_kernel_at(k)};
-            check(info.available == cw_isa_includes(cw_isa_best(), info.isa), "%s: availability", info.name);
-            cw_hit hit;
-            check_status(cw_closest(field, &q, rays, 1, &hit), info.available ? CW_OK : CW_ERROR_KERNEL);
-        }
-        assert_true(cw_kernel_describe(cw_run_kernel(field, NULL)).available);
-        check_status(cw_closest(field, NULL, rays, RAYS, got), CW_OK);
-        for (size_t k = 0; k < RAYS; k++) check(hit_same(&got[k], &expected[k]), "the limit changes a hit");
-    }
-    cw_isa_limit(CW_ISA_ANY);
-    assert_int_equal(cw_isa_best(), machine);
-}
-
 static void test_names(void **state) {
     (void)state;
     for (int s = CW_OK; s <= CW_ERROR_CANCELLED; s++) {
@@ -380,7 +356,6 @@ int main(void) {
         cmocka_unit_test(test_holes_in_borrowed_samples),
         cmocka_unit_test(test_holes_are_counted),
         cmocka_unit_test(test_bad_queries),
-        cmocka_unit_test(test_unavailable_kernels),
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_borrowed_and_copied),
         cmocka_unit_test(test_lengths_and_alignment),

@@ -49,14 +49,6 @@ typedef struct exact_case {
 } exact_case;
 void exact_expect(const exact_case *c);
 
-/* Every path finds the same bits for rays on field a as for same_rays on field b. except_grid leaves out the 3D grid. Returns the
- * hits. */
-size_t exact_compare(const cw_field *a, const cw_ray *rays, const cw_field *b, const cw_ray *same_rays, size_t n,
-                     bool except_grid, const char *what);
-
-/* n more answers of path p that are as expected. */
-void exact_count(size_t p, size_t n);
-
 /* To stdout, as a sum of the row that runs. */
 void exact_begin_row(const exact_row *row);
 /* Writes the counts of all rows that ran, a line of JSON for each row and path. */

@@ -31,8 +31,6 @@ void exact_begin_row(const exact_row *row) {
     now->row = row;
 }
 
-void exact_count(size_t p, size_t n) { now->count[p][AS_EXPECTED] += n; }
-
 static bool as_expected(const path *p, const oracle_truth *truth, const judgement *j, outcome *o) {
     *o = AS_EXPECTED;
     if (p->leaf == CW_LEAF_WATERTIGHT) return j->verdict <= VERDICT_TIE && digits_hold(j);
@@ -65,22 +63,6 @@ static void trace(const cw_field *field, const path *p, const cw_ray *rays, size
     }
 }
 
-/* Paths that follow the same rules have the same bits, as lanes.c shows for other rays. */
-static void check_bits(cw_hit hits[PATHS_MAX][AT_A_TIME], const bool part[PATHS_MAX], const cw_ray *rays, size_t n) {
-    for (size_t p = 0; p < exact_path_count; p++) {
-        const path *q = &exact_paths[p];
-        size_t cell = 0;
-        while (strcmp(exact_paths[cell].name, "cell") != 0 || exact_paths[cell].leaf != q->leaf) cell++;
-        for (size_t k = 0; k < n && q->strict && part[p]; k++) {
-            if (hit_same(&hits[p][k], &hits[cell][k])) continue;
-            ray_print(&rays[k]);
-            hit_print("cell", &hits[cell][k]);
-            hit_print(q->name, &hits[p][k]);
-            check(false, "%s: other answers", q->name);
-        }
-    }
-}
-
 /* A path that takes part, and gave the same answer to ray k, of which no less is expected; p if there is none before it. */
 static size_t judged_before(cw_hit hits[PATHS_MAX][AT_A_TIME], const bool part[PATHS_MAX], size_t p, size_t k) {
     size_t first = 0;
@@ -102,7 +84,6 @@ void exact_judge(const test_field *f, const cw_ray *rays, size_t n, exact_choice
         const size_t now_rays = n - first < AT_A_TIME ? n - first : AT_A_TIME;
         for (size_t p = 0; p < exact_path_count; p++)
             if (part[p]) trace(field, &exact_paths[p], rays + first, now_rays, hits[p]);
-        check_bits(hits, part, rays + first, now_rays);
         for (size_t k = 0; k < now_rays; k++) {
             outcome found[PATHS_MAX] = {AS_EXPECTED};
             const cw_ray *ray = &rays[first + k];
@@ -146,32 +127,9 @@ void exact_expect(const exact_case *c) {
         check(hit.t == wanted && (hit.i >= 0) == (wanted < INFINITY), "%s with %s, %s: t = %g instead of %g", q->name,
               cw_leaf_name(q->leaf), c->what, (double)hit.t, (double)wanted);
         check(wanted < INFINITY || hit_same(&hit, &miss), "%s, %s: a miss with odd fields", q->name, c->what);
-        exact_count(p, 1);
+        now->count[p][AS_EXPECTED]++;
     }
     cw_field_destroy(field);
-}
-
-size_t exact_compare(const cw_field *a, const cw_ray *rays, const cw_field *b, const cw_ray *same_rays, size_t n,
-                     bool except_grid, const char *what) {
-    static cw_hit hits[AT_A_TIME], same[AT_A_TIME];
-    size_t found = 0;
-    check(n <= AT_A_TIME, "too many rays");
-    for (size_t p = 0; p < exact_path_count; p++) {
-        const path *q = &exact_paths[p];
-        if (except_grid && strcmp(q->name, "grid3d") == 0) continue;
-        trace(a, q, rays, n, hits);
-        trace(b, q, same_rays, n, same);
-        for (size_t k = 0; k < n; k++) {
-            found += hits[k].i >= 0;
-            if (hit_same(&hits[k], &same[k])) continue;
-            ray_print(&rays[k]);
-            hit_print("as is", &hits[k]);
-            hit_print("the other", &same[k]);
-            check(false, "%s with %s: other answers with %s", q->name, cw_leaf_name(q->leaf), what);
-        }
-        exact_count(p, n);
-    }
-    return found;
 }
 
 /* Names and texts hold nothing that JSON would have to escape. */

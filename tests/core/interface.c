@@ -114,6 +114,32 @@ static void precision_that_arrives(void **state) {
                     "a sensor 7 * 10^6 m from the earth's centre");
 }
 
+/* Cells of 1 cm at 5 · 10^6 m: the difference to the field's origin is exact, so rays have the bits that they have at the origin. */
+static void a_far_origin_comes_off_exactly(void **state) {
+    (void)state;
+    static const float z[4];
+    static const double away[] = {0, 5000000};
+    random_state r = {11};
+    cw_field *f[2];
+    for (int k = 0; k < 2; k++)
+        f[k] =
+            field_mapped(z, 2, 2, (const double[3][4]){{0.01, 0, 0, away[k]}, {0, 0.01, 0, away[k]}, {0, 0, 0.01, 0}});
+    for (int k = 0; k < 2000; k++) {
+        cw_user_ray ray = {.tmax = (double)INFINITY};
+        cw_ray moved[2];
+        for (int c = 0; c < 3; c++) { /* multiples of 2^-27 m, so that adding the origin is exact too */
+            ray.org[c] = ldexp(floor(random_between(&r, -0x1p18, 0x1p20) * (c < 2 ? 16 : 2)), -27);
+            ray.dir[c] = random_between(&r, -1, 1);
+        }
+        cw_rays_to_field(f[0], NULL, &ray, 1, &moved[0]);
+        ray.org[0] += away[1];
+        ray.org[1] += away[1];
+        cw_rays_to_field(f[1], NULL, &ray, 1, &moved[1]);
+        assert_memory_equal(&moved[0], &moved[1], sizeof moved[0]);
+    }
+    for (int k = 0; k < 2; k++) cw_field_destroy(f[k]);
+}
+
 static void rays_in_user_space(void **state) {
     (void)state;
     cw_pool *pool;
@@ -373,6 +399,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(versions_agree),
         cmocka_unit_test(precision_that_arrives),
+        cmocka_unit_test(a_far_origin_comes_off_exactly),
         cmocka_unit_test(rays_in_user_space),
         cmocka_unit_test(threads_of_the_caller),
         cmocka_unit_test(hits_by_the_array),

@@ -226,6 +226,7 @@ static bool look(void *context, double done) {
     w->wrong += atomic_fetch_add(&w->inside, 1) != 0 || !(done > w->last && done <= 1) || w->last >= w->stop_at;
     if (w->calls++ == 0) w->first = done;
     w->last = done;
+    sched_yield(); /* lets another thread in if it may */
     atomic_fetch_sub(&w->inside, 1);
     return done < w->stop_at;
 }
@@ -242,6 +243,7 @@ static void each_call_is_watched(void **state) {
         const every_call *c = &every_calls[k];
         if (c->unwatched) continue;
         calls_sum();
+        const uint64_t none = calls_sum();
         check_status(c->make(NULL), CW_OK);
         const uint64_t sum = calls_sum();
         for (int shared = 0; shared < 2; shared++) {
@@ -256,6 +258,8 @@ static void each_call_is_watched(void **state) {
             for (double stop = 1e-9; stop < 1; stop += 0.1) {
                 w = (watch){.stop_at = stop};
                 check(c->make(&run) == CW_ERROR_CANCELLED && w.wrong == 0, "%s goes on after %g", c->name, w.last);
+                check(calls_sum() != sum || sum == none || stop > 0.5, "%s does all its work after %g", c->name,
+                      w.last);
             }
         }
     }

@@ -136,85 +136,41 @@ static void take_lane(word_in *one, const word_in *in, size_t k) {
     one->block_lane = in->block_lane + k;
 }
 
-/* Puts the result of lane k where a vector would have it. */
-static void put_lane(word_out *out, const word_out *one, size_t k) {
+/* Puts the result of lane k where a vector would have it. What the word does not write stays as it was in both. */
+static void put_lane(word_out *out, const word_out *one, size_t k, word_result result) {
     for (int c = 0; c < 8; c++) out->f[c][k] = one->f[c][0];
     out->i[k] = one->i[0];
     out->d[k] = one->d[0];
     out->m[k] = one->m[0];
     out->hit[k] = one->hit[0];
-    out->bits |= (one->bits & 1) << k;
-    out->is_any = out->is_any || one->is_any;
-    for (int q = 0; q < WORD_TABLE; q++)
+    if (result == GIVES_MASK_BITS) out->bits = (k ? out->bits : 0) | (one->bits & 1) << k;
+    if (result == GIVES_ANY) out->is_any = (k && out->is_any) || one->is_any;
+    for (int q = 0; q < WORD_TABLE && result == GIVES_LOWEST; q++)
         if (k == 0 || one->each[q] < out->each[q]) out->each[q] = one->each[q];
 }
 
-static bool same_float(float a, float b) { return memcmp(&a, &b, sizeof a) == 0; }
-static bool same_number(float a, float b) { return same_float(a, b) || (isnan(a) && isnan(b)); }
-static bool same_double(double a, double b) { return memcmp(&a, &b, sizeof a) == 0; }
-
-/* Whether lane k is right; wanted is the scalar vocabulary's. */
-static bool lane_is_right(const word *w, const word_in *in, const word_out *got, const word_out *wanted, size_t k) {
-    const float a = in->any[0][k], b = in->any[1][k], c = in->any[2][k];
-    switch (w->result) {
-    case GIVES_BITS:
-        return same_float(got->f[0][k], wanted->f[0][k]);
-    case GIVES_NUMBERS:
-        return same_number(got->f[0][k], wanted->f[0][k]);
-    case GIVES_FMA:
-        return same_number(got->f[0][k], wanted->f[0][k]) || same_number(got->f[0][k], fmaf(a, b, c));
-    case GIVES_FNMA:
-        return same_number(got->f[0][k], wanted->f[0][k]) || same_number(got->f[0][k], fmaf(-a, b, c));
-    case GIVES_2:
-    case GIVES_4:
-    case GIVES_8:
-        for (int m = 0; m < (w->result == GIVES_2 ? 2 : w->result == GIVES_4 ? 4 : 8); m++)
-            if (!same_float(got->f[m][k], wanted->f[m][k])) return false;
-        return true;
-    case GIVES_INTS:
-        return got->i[k] == wanted->i[k];
-    case GIVES_DOUBLES:
-        return same_double(got->d[k], wanted->d[k]);
-    case GIVES_DOUBLES_NAN:
-        return same_double(got->d[k], wanted->d[k]) || (isnan(got->d[k]) && isnan(wanted->d[k]));
-    case GIVES_MASK:
-        return got->m[k] == wanted->m[k];
-    case GIVES_HITS:
-        return memcmp(&got->hit[k], &wanted->hit[k], sizeof got->hit[k]) == 0;
-    case GIVES_MASK_BITS:
-        return got->bits == wanted->bits;
-    case GIVES_ANY:
-        return got->is_any == wanted->is_any;
-    case GIVES_LOWEST:
+/* What may differ becomes the same: NaNs, zeros' signs, and what is rounded once where the scalar word rounds twice. */
+static void take_liberties(word_result result, const word_in *in, const word_out *got, word_out *wanted,
+                           unsigned width) {
+    if (result == GIVES_LOWEST)
         for (int q = 0; q < WORD_TABLE; q++)
-            if (!(got->each[q] == wanted->each[q])) return false;
-        return true;
+            if (wanted->each[q] == got->each[q]) wanted->each[q] = got->each[q];
+    if (result < GIVES_NUMBERS || result > GIVES_FNMA) return;
+    for (unsigned k = 0; k < width; k++) {
+        const float g = got->f[0][k], a = in->any[0][k];
+        const float once = fmaf(result == GIVES_FNMA ? -a : a, in->any[1][k], in->any[2][k]);
+        const bool fused = result != GIVES_NUMBERS && (memcmp(&g, &once, sizeof g) == 0 || (isnan(g) && isnan(once)));
+        if ((isnan(g) && isnan(wanted->f[0][k])) || fused) wanted->f[0][k] = g;
+        if (isnan(got->d[k]) && isnan(wanted->d[k])) wanted->d[k] = got->d[k];
     }
-    return false;
-}
-
-static bool untouched(const void *from, size_t bytes) {
-    for (const unsigned char *at = from; bytes > 0; bytes--, at++)
-        if (*at != UNTOUCHED) return false;
-    return true;
-}
-
-/* Whether a word that writes to memory has written no more than W lanes. */
-static bool guard_is_whole(const word_out *got, unsigned width) {
-    return untouched(&got->f[0][width], sizeof got->f[0] - width * sizeof(float)) &&
-           untouched(&got->i[width], sizeof got->i - width * sizeof(int32_t)) &&
-           untouched(&got->hit[width], sizeof got->hit - width * sizeof(cw_hit)) &&
-           untouched(&got->each[WORD_TABLE], WORD_GUARD * sizeof(float));
 }
 
 static void print_lane(const word_in *in, const word_out *got, const word_out *wanted, size_t k) {
-    printf("  operands %a %a %a, whole %a, wide %a %a, bits %d %d, mask %d %d\n", (double)in->any[0][k],
+    printf("  lane %zu: operands %a %a %a, whole %a, wide %a %a, bits %d %d, mask %d %d\n", k, (double)in->any[0][k],
            (double)in->any[1][k], (double)in->any[2][k], (double)in->whole[0][k], in->wide[0][k], in->wide[1][k],
            in->bits[0][k], in->bits[1][k], in->mask[0][k], in->mask[1][k]);
-    printf("  gives %a, integer %d, double %a, mask %d; of these the word writes one\n", (double)got->f[0][k],
-           got->i[k], got->d[k], got->m[k]);
-    printf("  not   %a, integer %d, double %a, mask %d\n", (double)wanted->f[0][k], wanted->i[k], wanted->d[k],
-           wanted->m[k]);
+    printf("  gives %a, integer %d, double %a, mask %d, not %a, %d, %a, %d\n", (double)got->f[0][k], got->i[k],
+           got->d[k], got->m[k], (double)wanted->f[0][k], wanted->i[k], wanted->d[k], wanted->m[k]);
 }
 
 /* Whether the CPU, and what bounds it, allow the row. */
@@ -226,8 +182,8 @@ static bool available(const word_row *row) {
 
 static bool is_block(const word *w) { return strcmp(w->name, "vf_load_block") == 0; }
 
-/* A word on one set of operands; the number of lanes that are wrong. */
-static size_t try_word(const word_row *row, size_t number_of_word, const word_in *lanes, bool say) {
+/* Whether a word gives on one set of operands what it should; else prints it if it is to say so. */
+static bool word_is_right(const word_row *row, size_t number_of_word, const word_in *lanes, bool say) {
     const word *w = &row->words[number_of_word], *scalar = &cw_words_1.words[number_of_word];
     static word_in in, one_in;
     static word_out got, wanted, one_out;
@@ -235,27 +191,19 @@ static size_t try_word(const word_row *row, size_t number_of_word, const word_in
     in.block_vector = row->width < 16 ? in.block_vector % (16 / row->width) : 0;
     in.block_lane = in.block_vector * row->width;
     memset(&got, UNTOUCHED, sizeof got);
-    memset(&wanted, 0, sizeof wanted);
+    memset(&wanted, UNTOUCHED, sizeof wanted);
     w->run(&in, &got);
-    size_t wrong = 0;
     for (size_t k = 0; k < row->width; k++) {
-        memset(&one_out, 0, sizeof one_out);
+        memset(&one_out, UNTOUCHED, sizeof one_out);
         take_lane(&one_in, &in, k);
         scalar->run(&one_in, &one_out);
-        put_lane(&wanted, &one_out, k);
+        put_lane(&wanted, &one_out, k, w->result);
     }
-    for (size_t k = 0; k < row->width; k++) {
-        if (lane_is_right(w, &in, &got, &wanted, k)) continue;
-        if (wrong++ == 0 && say) {
-            printf("%s of %s, lane %zu\n", w->name, row->suffix, k);
-            print_lane(&in, &got, &wanted, k);
-        }
-    }
-    if (!guard_is_whole(&got, row->width)) {
-        if (say) printf("%s of %s writes beyond its lanes\n", w->name, row->suffix);
-        wrong++;
-    }
-    return wrong;
+    take_liberties(w->result, &in, &got, &wanted, row->width);
+    if (memcmp(&got, &wanted, sizeof got) == 0) return true;
+    if (say) printf("%s of %s is wrong, or writes beyond its lanes\n", w->name, row->suffix);
+    for (size_t k = 0; say && k < row->width; k++) print_lane(&in, &got, &wanted, k);
+    return false;
 }
 
 static void test_words(void **state) {
@@ -279,11 +227,11 @@ static void test_words(void **state) {
             make_operands(&in, &r, memory);
             for (size_t w = 0; w < row->count; w++) {
                 if (row->width > 16 && is_block(&row->words[w])) continue; /* a block has 16 lanes */
-                wrong[w] += try_word(row, w, &in, wrong[w] == 0);
+                wrong[w] += !word_is_right(row, w, &in, wrong[w] == 0);
             }
         }
         for (size_t w = 0; w < row->count; w++) {
-            if (wrong[w] > 0) printf("%s of %s: %zu lanes wrong\n", row->words[w].name, row->suffix, wrong[w]);
+            if (wrong[w] > 0) printf("%s of %s: wrong in %zu rounds\n", row->words[w].name, row->suffix, wrong[w]);
             wrong_words += wrong[w] > 0;
         }
         printf("%-4s %zu words, %zu rounds of %u lanes\n", row->suffix, row->count, rounds, row->width);

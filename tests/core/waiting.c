@@ -98,39 +98,6 @@ static void those_who_do_not_wait_do_no_harm(void **state) {
     run(false, 0);
 }
 
-/* Queries of grid3d until its grid is gone. */
-static void *ask_grid3d(void *argument) {
-    worker *w = argument;
-    const cw_run q = {.expert.kernel = cw_kernel_find("grid3d")};
-    const cw_ray down = {.org = {30.5f, 30.25f, 100}, .dir = {0, 0, -1}, .tmax = INFINITY};
-    while (w->done + w->away + w->failed < 4 * TURNS) {
-        cw_hit hit;
-        const cw_status status = cw_closest(field, &q, &down, 1, &hit);
-        if (status == CW_ERROR_NOT_BUILT) break;
-        if (count(w, status)) w->torn += hit.t != 99;
-    }
-    return NULL;
-}
-
-static void a_grid_goes_while_it_is_asked(void **state) {
-    (void)state;
-    enum { ROUNDS = 30 };
-    field = field_of(heights, SIDE, SIDE);
-    for (size_t round = 0; round < ROUNDS; round++) {
-        worker w[ASKING] = {{0}};
-        check_status(cw_field_build(field, &(cw_run){.expert.kernel = cw_kernel_find("grid3d")}), CW_OK);
-        for (size_t k = 0; k < ASKING; k++) assert_int_equal(pthread_create(&w[k].thread, NULL, ask_grid3d, &w[k]), 0);
-        while (cw_field_update(field, NULL, &(cw_update){.at = {.nx = 1, .ny = 1}, .samples = heights}) ==
-               CW_ERROR_BUSY)
-            continue;
-        for (size_t k = 0; k < ASKING; k++) {
-            assert_int_equal(pthread_join(w[k].thread, NULL), 0);
-            check(w[k].failed + w[k].torn == 0, "thread %zu: %zu wrong", k, w[k].failed + w[k].torn);
-        }
-    }
-    cw_field_destroy(field);
-}
-
 /* ---- one of each, hand in hand ----------------------------------------------------------------------------------- */
 
 typedef struct held {
@@ -259,11 +226,8 @@ static int set_up(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(newcomers_wait),
-        cmocka_unit_test(updates_do_not_starve),
-        cmocka_unit_test(queries_do_not_starve),
-        cmocka_unit_test(those_who_do_not_wait_do_no_harm),
-        cmocka_unit_test(a_grid_goes_while_it_is_asked),
+        cmocka_unit_test(newcomers_wait),        cmocka_unit_test(updates_do_not_starve),
+        cmocka_unit_test(queries_do_not_starve), cmocka_unit_test(those_who_do_not_wait_do_no_harm),
         cmocka_unit_test(fields_move),
     };
     return cmocka_run_group_tests(tests, set_up, NULL);

@@ -23,6 +23,8 @@
 
 #include "faults.h"
 
+#define EXPORTED __attribute__((visibility("default")))
+
 extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t);
 extern void *__libc_memalign(size_t, size_t);
 extern void __libc_free(void *);
@@ -97,99 +99,74 @@ static void *no_memory(void) {
     return NULL;
 }
 
-__attribute__((visibility("default"))) void *malloc(size_t size) {
-    return fails(FAULT_MEMORY) ? no_memory() : counted(__libc_malloc(size));
-}
+EXPORTED void *malloc(size_t size) { return fails(FAULT_MEMORY) ? no_memory() : counted(__libc_malloc(size)); }
 
-__attribute__((visibility("default"))) void *calloc(size_t n, size_t size) {
+EXPORTED void *calloc(size_t n, size_t size) {
     return fails(FAULT_MEMORY) ? no_memory() : counted(__libc_calloc(n, size));
 }
 
-__attribute__((visibility("default"))) void *realloc(void *block, size_t size) {
+EXPORTED void *realloc(void *block, size_t size) {
     if (fails(FAULT_MEMORY)) return no_memory();
     return block == NULL ? counted(__libc_realloc(NULL, size)) : __libc_realloc(block, size);
 }
 
-__attribute__((visibility("default"))) int posix_memalign(void **block, size_t alignment, size_t size) {
+EXPORTED int posix_memalign(void **block, size_t alignment, size_t size) {
     if (fails(FAULT_MEMORY)) return ENOMEM;
     *block = counted(__libc_memalign(alignment, size));
     return *block ? 0 : ENOMEM;
 }
 
-__attribute__((visibility("default"))) void *aligned_alloc(size_t alignment, size_t size) {
+EXPORTED void *aligned_alloc(size_t alignment, size_t size) {
     return fails(FAULT_MEMORY) ? no_memory() : counted(__libc_memalign(alignment, size));
 }
 
-__attribute__((visibility("default"))) void free(void *block) {
+EXPORTED void free(void *block) {
     if (block != NULL && atomic_load(&counting)) atomic_fetch_sub(&blocks, 1);
     __libc_free(block);
 }
 
 /* ---- files and threads -------------------------------------------------------------------------------------------- */
 
-#define NEXT(type, name)                                                                                               \
-    static type *next;                                                                                                 \
+/* The next library's function of that name. */
+#define NEXT(result, name, parameters)                                                                                 \
+    static result(*next) parameters;                                                                                   \
     if (next == NULL) *(void **)&next = dlsym(RTLD_NEXT, name)
 
-typedef size_t fwrite_fn(const void *, size_t, size_t, FILE *);
-__attribute__((visibility("default"))) size_t fwrite(const void *bytes, size_t size, size_t n, FILE *file) {
-    NEXT(fwrite_fn, "fwrite");
-    if (file == stderr || !fails(FAULT_WRITE)) return next(bytes, size, n, file);
-    errno = ENOSPC;
-    return 0;
-}
+/* A function that gives failure and an error number where condition holds, and else does what it always does. */
+#define FAILING(result, name, parameters, condition, failure, number, ...)                                             \
+    EXPORTED result name parameters {                                                                                  \
+        NEXT(result, #name, parameters);                                                                               \
+        if (!(condition)) return next(__VA_ARGS__);                                                                    \
+        errno = number;                                                                                                \
+        return failure;                                                                                                \
+    }
 
-typedef int file_fn(FILE *);
-__attribute__((visibility("default"))) int fflush(FILE *file) {
-    NEXT(file_fn, "fflush");
-    if (file == stderr || !fails(FAULT_WRITE)) return next(file);
-    errno = EIO;
-    return EOF;
-}
+FAILING(size_t, fwrite, (const void *bytes, size_t size, size_t n, FILE *file), file != stderr && fails(FAULT_WRITE), 0,
+        ENOSPC, bytes, size, n, file)
+FAILING(int, fflush, (FILE * file), file != stderr && fails(FAULT_WRITE), EOF, EIO, file)
+FAILING(int, fallocate, (int fd, int mode, off_t offset, off_t length), fails(FAULT_WRITE), -1, ENOSPC, fd, mode,
+        offset, length)
+FAILING(int, fsync, (int fd), fails(FAULT_WRITE), -1, EIO, fd)
+FAILING(int, rename, (const char *from, const char *to), fails(FAULT_RENAME), -1, EACCES, from, to)
+FAILING(int, linkat, (int from_at, const char *from, int to_at, const char *to, int flags), fails(FAULT_RENAME), -1,
+        EACCES, from_at, from, to_at, to, flags)
+FAILING(FILE *, fopen, (const char *path, const char *mode), fails(FAULT_OPEN), NULL, EMFILE, path, mode)
+FAILING(FILE *, fdopen, (int fd, const char *mode), fails(FAULT_OPEN), NULL, ENOMEM, fd, mode)
+FAILING(ssize_t, pread, (int fd, void *to, size_t size, off_t offset), fails(FAULT_READ), -1, EIO, fd, to, size, offset)
+FAILING(int, fstat, (int fd, struct stat *about), fails(FAULT_READ), -1, EIO, fd, about)
+FAILING(void *, mmap, (void *at, size_t size, int protection, int flags, int fd, off_t offset), fails(FAULT_MAP),
+        MAP_FAILED, ENOMEM, at, size, protection, flags, fd, offset)
 
-__attribute__((visibility("default"))) int fclose(FILE *file) {
-    NEXT(file_fn, "fclose");
+EXPORTED int fclose(FILE *file) {
+    NEXT(int, "fclose", (FILE *));
     const bool fail = fails(FAULT_WRITE);
     const int result = next(file);
     if (fail) errno = EDQUOT;
     return fail ? EOF : result;
 }
 
-typedef int fallocate_fn(int, int, off_t, off_t);
-__attribute__((visibility("default"))) int fallocate(int fd, int mode, off_t offset, off_t length) {
-    NEXT(fallocate_fn, "fallocate");
-    if (!fails(FAULT_WRITE)) return next(fd, mode, offset, length);
-    errno = ENOSPC;
-    return -1;
-}
-
-typedef int descriptor_fn(int);
-__attribute__((visibility("default"))) int fsync(int fd) {
-    NEXT(descriptor_fn, "fsync");
-    if (!fails(FAULT_WRITE)) return next(fd);
-    errno = EIO;
-    return -1;
-}
-
-typedef int rename_fn(const char *, const char *);
-__attribute__((visibility("default"))) int rename(const char *from, const char *to) {
-    NEXT(rename_fn, "rename");
-    if (!fails(FAULT_RENAME)) return next(from, to);
-    errno = EACCES;
-    return -1;
-}
-
-typedef int linkat_fn(int, const char *, int, const char *, int);
-__attribute__((visibility("default"))) int linkat(int from_at, const char *from, int to_at, const char *to, int flags) {
-    NEXT(linkat_fn, "linkat");
-    if (!fails(FAULT_RENAME)) return next(from_at, from, to_at, to, flags);
-    errno = EACCES;
-    return -1;
-}
-
-typedef int open_fn(const char *, int, ...);
-__attribute__((visibility("default"))) int open(const char *path, int flags, ...) {
-    NEXT(open_fn, "open");
+EXPORTED int open(const char *path, int flags, ...) {
+    NEXT(int, "open", (const char *, int, ...));
     va_list list;
     va_start(list, flags);
     const mode_t mode = flags & O_CREAT ? va_arg(list, mode_t) : 0;
@@ -199,54 +176,12 @@ __attribute__((visibility("default"))) int open(const char *path, int flags, ...
     return -1;
 }
 
-typedef FILE *fopen_fn(const char *, const char *);
-__attribute__((visibility("default"))) FILE *fopen(const char *path, const char *mode) {
-    NEXT(fopen_fn, "fopen");
-    if (!fails(FAULT_OPEN)) return next(path, mode);
-    errno = EMFILE;
-    return NULL;
-}
-
-typedef FILE *fdopen_fn(int, const char *);
-__attribute__((visibility("default"))) FILE *fdopen(int fd, const char *mode) {
-    NEXT(fdopen_fn, "fdopen");
-    if (!fails(FAULT_OPEN)) return next(fd, mode);
-    errno = ENOMEM;
-    return NULL;
-}
-
-typedef ssize_t pread_fn(int, void *, size_t, off_t);
-__attribute__((visibility("default"))) ssize_t pread(int fd, void *to, size_t size, off_t offset) {
-    NEXT(pread_fn, "pread");
-    if (!fails(FAULT_READ)) return next(fd, to, size, offset);
-    errno = EIO;
-    return -1;
-}
-
-typedef size_t fread_fn(void *, size_t, size_t, FILE *);
-__attribute__((visibility("default"))) size_t fread(void *to, size_t size, size_t n, FILE *file) {
-    NEXT(fread_fn, "fread");
+EXPORTED size_t fread(void *to, size_t size, size_t n, FILE *file) {
+    NEXT(size_t, "fread", (void *, size_t, size_t, FILE *));
     if (!fails(FAULT_READ)) return next(to, size, n, file);
     errno = EIO;
     file->_flags |= 0x20; /* glibc's mark of an error */
     return 0;
-}
-
-typedef int fstat_fn(int, struct stat *);
-__attribute__((visibility("default"))) int fstat(int fd, struct stat *about) {
-    NEXT(fstat_fn, "fstat");
-    if (!fails(FAULT_READ)) return next(fd, about);
-    errno = EIO;
-    return -1;
-}
-
-typedef void *mmap_fn(void *, size_t, int, int, int, off_t);
-__attribute__((visibility("default"))) void *mmap(void *at, size_t size, int protection, int flags, int fd,
-                                                  off_t offset) {
-    NEXT(mmap_fn, "mmap");
-    if (!fails(FAULT_MAP)) return next(at, size, protection, flags, fd, offset);
-    errno = ENOMEM;
-    return MAP_FAILED;
 }
 
 typedef struct start {
@@ -263,10 +198,8 @@ static void *run_counted(void *context) {
     return result;
 }
 
-typedef int thread_fn(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
-__attribute__((visibility("default"))) int pthread_create(pthread_t *thread, const pthread_attr_t *how,
-                                                          void *(*run)(void *), void *argument) {
-    NEXT(thread_fn, "pthread_create");
+EXPORTED int pthread_create(pthread_t *thread, const pthread_attr_t *how, void *(*run)(void *), void *argument) {
+    NEXT(int, "pthread_create", (pthread_t *, const pthread_attr_t *, void *(*)(void *), void *));
     if (fails(FAULT_THREAD)) return EAGAIN;
     start_of_thread *s = __libc_malloc(sizeof *s);
     *s = (start_of_thread){run, argument};

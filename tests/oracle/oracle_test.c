@@ -217,8 +217,39 @@ static void test_uncertain_hits_are_decided(void **state) {
     check(heights > 1000 && places > 1000, "too few for the test to mean anything");
 }
 
+/* Right hits are right; taken away they are leaks if the ray passes, and moved by much they are phantoms. */
+static void test_wrong_answers_are_seen(void **state) {
+    (void)state;
+    static test_field f;
+    random_state r = {8};
+    size_t hits = 0, leaks = 0;
+    field_make(&f, FIELD_RANDOM, 33, 33, 4);
+    cw_field *field = field_open(&f);
+    oracle *o = oracle_create(f.z, f.nx, f.ny);
+    for (int k = 0; k < 2000; k++) {
+        const cw_ray ray = ray_make(RAY_VERTEX, &f, &r);
+        const bool passes = oracle_trace(o, &ray)->passes;
+        cw_hit hit;
+        check_status(cw_closest(field, NULL, &ray, 1, &hit), CW_OK);
+        check(oracle_judge(o, &hit).verdict <= VERDICT_TIE, "a right hit is %s",
+              verdict_name(oracle_judge(o, &hit).verdict));
+        if (hit.i < 0) continue;
+        hits++;
+        hit.t += 1 / fabsf(ray.dir[2]);
+        check(oracle_judge(o, &hit).verdict == VERDICT_PHANTOM && !oracle_check(o, &hit).holds,
+              "a hit a cell off holds");
+        const verdict missed = oracle_judge(o, &(cw_hit){.t = INFINITY, .i = -1, .j = -1}).verdict;
+        check((missed == VERDICT_LEAK) == passes, "a lost hit is %s", verdict_name(missed));
+        leaks += passes;
+    }
+    oracle_destroy(o);
+    cw_field_destroy(field);
+    check(hits > 1000 && leaks > 1000, "%zu hits, %zu passes: too few for the test to mean anything", hits, leaks);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_against_every_triangle),
-                                       cmocka_unit_test(test_uncertain_hits_are_decided)};
+                                       cmocka_unit_test(test_uncertain_hits_are_decided),
+                                       cmocka_unit_test(test_wrong_answers_are_seen)};
     return cmocka_run_group_tests_name("oracle", tests, NULL, NULL);
 }

@@ -78,14 +78,8 @@ void field_make_land(test_field *f, size_t nx, size_t ny) {
     }
 }
 
-static cw_field *open_as(const test_field *f, cw_storage storage, double cell, double corner) {
-    cw_field_desc desc = {0};
-    desc.samples = f->z;
-    desc.nx = f->nx;
-    desc.ny = f->ny;
-    desc.storage = storage;
-    for (int c = 0; c < 3; c++) desc.map[c][c] = cell;
-    desc.map[0][3] = desc.map[1][3] = corner;
+static cw_field *open_as(const test_field *f, cw_storage storage) {
+    const cw_field_desc desc = {.samples = f->z, .nx = f->nx, .ny = f->ny, .storage = storage};
     cw_field *field;
     check_status(cw_field_create(&desc, NULL, &field), CW_OK);
     for (size_t k = 0; k < cw_kernel_count(); k++)
@@ -93,9 +87,8 @@ static cw_field *open_as(const test_field *f, cw_storage storage, double cell, d
     return field;
 }
 
-cw_field *field_open(const test_field *f) { return open_as(f, CW_BORROW, 1, 0); }
-cw_field *field_open_copied(const test_field *f) { return open_as(f, CW_COPY, 1, 0); }
-cw_field *field_open_at(const test_field *f, double cell, double corner) { return open_as(f, CW_BORROW, cell, corner); }
+cw_field *field_open(const test_field *f) { return open_as(f, CW_BORROW); }
+cw_field *field_open_copied(const test_field *f) { return open_as(f, CW_COPY); }
 
 void field_print(const test_field *f) {
     printf("field %s, %zu x %zu\n", field_shape_name(f->shape), f->nx, f->ny);

@@ -55,8 +55,6 @@ void field_make_land(test_field *f, size_t nx, size_t ny);
  * and so allows infinities. */
 cw_field *field_open(const test_field *f);
 cw_field *field_open_copied(const test_field *f);
-/* Borrowed; with cells of a given size in user space, where sample (0, 0) is at x = y = corner. */
-cw_field *field_open_at(const test_field *f, double cell, double corner);
 
 /* To stdout, each sample as a hexadecimal float; a field of more than 64 samples by its name alone. */
 void field_print(const test_field *f);

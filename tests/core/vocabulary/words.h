@@ -40,7 +40,7 @@ typedef struct word_in {
     const float *memory; /* 4 floats for each index, aligned to 16 bytes */
 } word_in;
 
-/* The results of a word. Memory that it writes has room for a guard, which it must not touch. */
+/* The results of a word, with room behind them that it must not touch. */
 typedef struct word_out {
     float f[8][WORD_LANES + WORD_GUARD];
     int32_t i[WORD_LANES + WORD_GUARD];
@@ -53,21 +53,13 @@ typedef struct word_out {
 } word_out;
 
 typedef enum word_result {
-    GIVES_BITS,    /* f[0], bit for bit: nothing is computed */
-    GIVES_NUMBERS, /* f[0], bit for bit but that a NaN may be any */
-    GIVES_FMA,     /* f[0], rounded once or twice, a NaN may be any */
-    GIVES_FNMA,    /* the same */
-    GIVES_2,       /* f[0] and f[1], bit for bit */
-    GIVES_4,
-    GIVES_8,
-    GIVES_INTS,
-    GIVES_DOUBLES,     /* bit for bit */
-    GIVES_DOUBLES_NAN, /* bit for bit but that a NaN may be any */
-    GIVES_MASK,
-    GIVES_HITS,
-    GIVES_MASK_BITS, /* bits */
-    GIVES_ANY,       /* is_any */
-    GIVES_LOWEST     /* each; zeros of either sign are the same */
+    GIVES_BITS,      /* the scalar vocabulary's, bit for bit, and nothing beside them */
+    GIVES_NUMBERS,   /* the same, but that a NaN may be any */
+    GIVES_FMA,       /* the same, rounded once or twice */
+    GIVES_FNMA,      /* the same */
+    GIVES_MASK_BITS, /* bits, a lane each */
+    GIVES_ANY,       /* is_any, of all lanes */
+    GIVES_LOWEST     /* each, of all lanes; zeros of either sign are the same */
 } word_result;
 
 typedef struct word {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Traces the same aimed rays with all contenders and counts faults by class of rays. The test does so for some
- * seconds, the program cellwalk-stability for minutes. */
+/* Traces the same aimed rays with all contenders and counts faults by class of rays. */
 #ifndef CELLWALK_TESTS_STABILITY_RUN_H
 #define CELLWALK_TESTS_STABILITY_RUN_H
 
