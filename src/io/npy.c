@@ -263,27 +263,9 @@ bool io_npy_write_header(io_output *output, const char *type, size_t item, size_
     return io_output_reserve(output, size + bytes, error) && io_output_write(output, header, size, error);
 }
 
-bool io_npy_create(io_npy_writer *writer, const char *path, const char *type, size_t item, uint64_t rows,
-                   io_error *error) {
-    *writer = (io_npy_writer){.left = rows * item};
-    if (rows > INT64_MAX / item) return io_fail(error, "%s: too many elements for any file", path);
-    if (!io_output_open(&writer->output, path, error)) return false;
-    if (io_npy_write_header(&writer->output, type, item, 1, &rows, error)) return true;
-    io_npy_discard(writer);
+bool io_npy_create(io_output *output, const char *path, const char *type, size_t item, uint64_t rows, io_error *error) {
+    if (!io_output_open(output, path, error)) return false;
+    if (io_npy_write_header(output, type, item, 1, &rows, error)) return true;
+    io_output_discard(output);
     return false;
 }
-
-bool io_npy_write(io_npy_writer *writer, const void *bytes, size_t size, io_error *error) {
-    if (size > writer->left) return io_fail(error, "%s: more elements than announced", writer->output.name);
-    writer->left -= size;
-    return io_output_write(&writer->output, bytes, size, error);
-}
-
-bool io_npy_commit(io_npy_writer *writer, io_error *error) {
-    if (writer->left == 0) return io_output_commit(&writer->output, error);
-    io_fail(error, "%s: %llu bytes of elements are missing", writer->output.name, (unsigned long long)writer->left);
-    io_npy_discard(writer);
-    return false;
-}
-
-void io_npy_discard(io_npy_writer *writer) { io_output_discard(&writer->output); }

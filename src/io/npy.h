@@ -49,19 +49,8 @@ const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *e
 bool io_npy_write_header(io_output *output, const char *type, size_t item, size_t rank, const uint64_t *shape,
                          io_error *error);
 
-typedef struct io_npy_writer {
-    io_output output;
-    uint64_t left; /* bytes that are still to come */
-} io_npy_writer;
-
-/* Starts an array of rows elements. type is a Python expression: "'<f4'" or a list of fields; item its size in bytes.
- * Fails at once if the disk has no room for the whole array. On failure writer needs no discard. */
-bool io_npy_create(io_npy_writer *writer, const char *path, const char *type, size_t item, uint64_t rows,
-                   io_error *error);
-/* The next elements, in any portions. */
-bool io_npy_write(io_npy_writer *writer, const void *bytes, size_t size, io_error *error);
-/* The file gets its name; all elements must have been written. */
-bool io_npy_commit(io_npy_writer *writer, io_error *error);
-void io_npy_discard(io_npy_writer *writer);
+/* Starts a file of rows elements. type is a Python expression: "'<f4'" or a list of fields; item its size in bytes.
+ * Fails at once if the disk has no room for the whole array. On failure output needs no discard. */
+bool io_npy_create(io_output *output, const char *path, const char *type, size_t item, uint64_t rows, io_error *error);
 
 #endif

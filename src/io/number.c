@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "number.h"
 
-#include "linux.h"
-
 #include <locale.h>
 #include <pthread.h>
 #include <stdlib.h>
@@ -12,22 +10,13 @@ static locale_t plain;
 /* Of all categories: glibc has this one at hand, so that it cannot fail. */
 static void make_plain(void) { plain = newlocale(LC_ALL_MASK, "C", (locale_t)0); }
 
-static locale_t plain_locale(void) {
+/* The calling thread's locale, for the others to set back. */
+static locale_t enter_plain(void) {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     pthread_once(&once, make_plain);
-    return plain;
+    return uselocale(plain); /* 0 changes nothing */
 }
 
-/* The calling thread's locale, for the other functions to set back. */
-static locale_t enter_plain(void) {
-    const locale_t to = plain_locale();
-    return uselocale(to); /* 0 changes nothing */
-}
-
-#if CELLWALK_LINUX
-double number_read(const char *text, char **end) { return strtod_l(text, end, plain_locale()); }
-float number_read_float(const char *text, char **end) { return strtof_l(text, end, plain_locale()); }
-#else
 double number_read(const char *text, char **end) {
     const locale_t before = enter_plain();
     const double number = strtod(text, end);
@@ -41,7 +30,6 @@ float number_read_float(const char *text, char **end) {
     uselocale(before);
     return number;
 }
-#endif
 
 int number_print(FILE *file, const char *format, va_list arguments) {
     const locale_t before = enter_plain();

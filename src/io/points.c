@@ -5,6 +5,7 @@
 #include "inputs.h"
 #include "printable.h"
 #include "table.h"
+#include "target.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -103,7 +104,7 @@ bool io_areas_read(const char *path, const io_points_options *o, const io_mask *
 }
 
 bool io_points_read(const char *path, const io_points_options *o, io_points *points, io_error *error) {
-    *points = (io_points){.path = path, .is_table = io_table_is(path)};
+    *points = (io_points){.path = path, .is_table = io_name_ends(path, ".csv")};
     bool good = points->is_table ? read_table(path, o, points, error) : read_features(path, o, points, error);
     if (good && points->count == 0) good = io_fail(error, "%s: holds no places", path);
     if (!good) io_points_free(points);

@@ -9,11 +9,6 @@
 #include <string.h>
 #include <strings.h>
 
-bool io_table_is(const char *path) {
-    const size_t length = strlen(path);
-    return length > 4 && strcasecmp(path + length - 4, ".csv") == 0;
-}
-
 typedef struct scanner {
     const io_table *table;
     char *at, *end;

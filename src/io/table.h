@@ -21,9 +21,6 @@ typedef struct io_table {
     size_t room;   /* rows that fit into cells and lines */
 } io_table;
 
-/* Whether the name ends in .csv. */
-bool io_table_is(const char *path);
-
 /* path must stay. An error for a file without a line, for rows with fewer or more cells than there are columns, and for a first line
  * with semicolons or tabs between its names. On failure the table needs no freeing. */
 bool io_table_read(const char *path, io_table *table, io_error *error);

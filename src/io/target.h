@@ -4,7 +4,15 @@
 #define CELLWALK_IO_TARGET_H
 
 #include <stdbool.h>
+#include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
+
+/* Whether a file's name has that ending, in capitals or not. */
+static inline bool io_name_ends(const char *path, const char *ending) {
+    const size_t length = strlen(path), size = strlen(ending);
+    return length > size && strcasecmp(path + length - size, ending) == 0;
+}
 
 /* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor
  * leads: a file that a shell opened to append to must not be replaced. */

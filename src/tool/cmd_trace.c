@@ -29,7 +29,7 @@ typedef struct trace {
     bool any, user, points, normals, json, quiet;
     raster_field field;
     io_npy rays;
-    io_npy_writer writer;
+    io_output output;
     cw_run *query; /* of the options */
     uint64_t count, hit_count;
     double seconds; /* of the queries alone */
@@ -62,7 +62,7 @@ static bool open_rays(trace *t, const char *path, io_error *error) {
 
 static bool create_hits(trace *t, io_error *error) {
     char type[256];
-    if (t->any) return io_npy_create(&t->writer, t->hits, "'|u1'", 1, t->count, error);
+    if (t->any) return io_npy_create(&t->output, t->hits, "'|u1'", 1, t->count, error);
     snprintf(type, sizeof type,
              "[('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '<u4'), ('u', '<f4'), ('v', '<f4')%s%s]",
              t->points ? ", ('x', '<f8'), ('y', '<f8'), ('z', '<f8')" : "",
@@ -70,7 +70,7 @@ static bool create_hits(trace *t, io_error *error) {
     size_t record = HIT;
     if (t->points) record += POINT;
     if (t->normals) record += NORMAL;
-    return io_npy_create(&t->writer, t->hits, type, record, t->count, error);
+    return io_npy_create(&t->output, t->hits, type, record, t->count, error);
 }
 
 static bool write_extras(trace *t, const cw_hit *hits, size_t n, io_error *error) {
@@ -89,12 +89,12 @@ static bool write_extras(trace *t, const cw_hit *hits, size_t n, io_error *error
         if (t->normals) memcpy(to, rounded, NORMAL);
         to += t->normals ? NORMAL : 0;
     }
-    return io_npy_write(&t->writer, extras.records, (size_t)(to - extras.records), error);
+    return io_output_write(&t->output, extras.records, (size_t)(to - extras.records), error);
 }
 
 static bool write_piece(trace *t, size_t n, io_error *error) {
-    if (t->any) return io_npy_write(&t->writer, occluded, n, error);
-    if (!t->points && !t->normals) return io_npy_write(&t->writer, found, n * HIT, error);
+    if (t->any) return io_output_write(&t->output, occluded, n, error);
+    if (!t->points && !t->normals) return io_output_write(&t->output, found, n * HIT, error);
     bool good = true;
     for (size_t done = 0; done < n && good; done += AT_ONCE)
         good = write_extras(t, found + done, n - done < AT_ONCE ? n - done : AT_ONCE, error);
@@ -139,7 +139,7 @@ static bool trace_all(trace *t, const char *rays, io_error *error) {
         progress_show("tracing", (double)done / (double)t->count);
     }
     progress_end();
-    return good && (t->hits == NULL || io_npy_commit(&t->writer, error));
+    return good && (t->hits == NULL || io_output_commit(&t->output, error));
 }
 
 /* Where the field's bounds are, in the coordinates that rays have; unless all samples are holes. */
@@ -177,7 +177,7 @@ static int run_request(trace *t, const char *rays) {
         command_wrote("trace", t->quiet, t->hits, start, "%.3g %% of %llu rays hit",
                       t->count > 0 ? 100 * (double)t->hit_count / (double)t->count : 0, (unsigned long long)t->count);
     if (good && !t->quiet && t->count > 0 && t->hit_count == 0) warn_of_bounds(t);
-    io_npy_discard(&t->writer);
+    io_output_discard(&t->output);
     io_npy_close(&t->rays);
     cw_pool_destroy(t->query->pool);
     raster_field_close(&t->field);

@@ -3,11 +3,9 @@
 
 #include "image.h"
 #include "large.h"
+#include "target.h"
 
-#include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
-#include <strings.h>
 
 typedef struct image_format {
     const char *ending;
@@ -31,8 +29,7 @@ static const image_format *format_of(const char *path, bool writing, io_error *e
     char able[32] = "";
     for (int k = 0; k < FORMATS; k++) {
         if (writing ? formats[k].write == NULL : formats[k].read == NULL) continue;
-        const size_t length = strlen(path), ending = strlen(formats[k].ending);
-        if (length > ending && strcasecmp(path + length - ending, formats[k].ending) == 0) return &formats[k];
+        if (io_name_ends(path, formats[k].ending)) return &formats[k];
         strcat(strcat(able, " "), formats[k].ending);
     }
     io_fail(error, "%s: unknown kind of picture, or this build has no library for it; it can %s%s", path,

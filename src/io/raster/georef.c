@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 void io_georef_free(io_georef *georef) {
     free(georef->crs);
@@ -34,50 +33,9 @@ void io_unit_name(double metres, char *text) {
         if (fabs(metres / units[k].metres - 1) < 1e-8) snprintf(text, IO_UNIT_NAME - 1, "%s", units[k].name);
 }
 
-static bool is_word(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_'; }
-
-/* A word that opens a bracket; at is behind the bracket. Depths count from 1. */
-typedef struct node {
-    const char *word, *at;
-    int length, depth;
-} node;
-
-/* The next node behind at, or false at the end. Text in quotes is passed over. */
-static bool next_node(const char **at, int *depth, node *n) {
-    const char *c = *at;
-    while (*c != '\0') {
-        if (*c == '"') {
-            const char *end = strchr(c + 1, '"');
-            if (end == NULL) return false;
-            c = end + 1;
-        } else if (*c == ']' || *c == ')') {
-            --*depth;
-            c++;
-        } else if (is_word(*c)) {
-            n->word = c;
-            while (is_word(*c) || (*c >= '0' && *c <= '9')) c++;
-            n->length = (int)(c - n->word);
-            c += strspn(c, " \t\r\n");
-            if (*c != '[' && *c != '(') continue;
-            n->depth = ++*depth;
-            n->at = *at = c + 1;
-            return true;
-        } else {
-            c++;
-        }
-    }
-    return false;
-}
-
-static bool is_one_of(const node *n, const char *const *words) {
-    for (; *words; words++)
-        if ((size_t)n->length == strlen(*words) && strncasecmp(n->word, *words, (size_t)n->length) == 0) return true;
-    return false;
-}
-
-/* The numbers behind the node's name. */
-static bool numbers(const node *n, double *value, int count) {
-    const char *at = strchr(n->at, '"');
+/* The numbers behind a node's name. */
+static bool numbers(const char *node, double *value, int count) {
+    const char *at = strchr(node, '"');
     at = at ? strchr(at + 1, '"') : NULL;
     if (at == NULL) return false;
     for (at++; count > 0; count--) {
@@ -92,48 +50,58 @@ static bool numbers(const node *n, double *value, int count) {
     return true;
 }
 
-/* False where the text breaks off. */
-static bool is_whole(const char *wkt) {
-    int depth = 0;
-    bool quoted = false;
-    for (const char *c = wkt; *c != '\0'; c++) {
-        quoted ^= *c == '"';
-        if (!quoted) depth += (*c == '[' || *c == '(') - (*c == ']' || *c == ')');
+typedef struct reading {
+    io_georef found;
+    int main, unit; /* depths of the system's own node, and of units in its axes; 0: not met */
+    bool over;
+} reading;
+
+/* A node at a depth, from 1 on; at: behind its bracket. */
+static void take_node(reading *r, const char *word, size_t length, int depth, const char *at) {
+    static const char projected[] = "|PROJCS|PROJCRS|PROJECTEDCRS|LOCAL_CS|ENGCRS|",
+                      geographic[] = "|GEOGCS|GEOGCRS|GEOGRAPHICCRS|";
+    char name[24] = "|";
+    double value[2];
+    if (r->over || length + 3 > sizeof name) return;
+    for (size_t k = 0; k < length; k++) name[k + 1] = word[k] >= 'a' && word[k] <= 'z' ? word[k] - 'a' + 'A' : word[k];
+    name[length + 1] = '|';
+    const bool own = r->main > 0 && depth == r->main + 1;
+    if (r->main == 0 && (strstr(projected, name) || strstr(geographic, name))) {
+        r->found.geographic = strstr(geographic, name) != NULL;
+        r->main = depth;
+    } else if (r->main > 0 && depth <= r->main) {
+        r->over = true; /* the system of heights follows the horizontal one */
+    } else if (strstr("|SPHEROID|ELLIPSOID|", name) && r->found.semi_major == 0 && numbers(at, value, 2)) {
+        r->found.semi_major = value[0];
+        r->found.inverse_flattening = value[1];
+    } else if (own && strcmp(name, "|AXIS|") == 0) {
+        r->unit = depth + 1; /* where one unit of all axes is missing */
+    } else if ((own || (r->unit > 0 && depth == r->unit)) && r->found.unit == 0 &&
+               strstr("|UNIT|LENGTHUNIT|ANGLEUNIT|", name) && numbers(at, value, 1)) {
+        r->found.unit = value[0];
     }
-    return depth == 0 && !quoted;
 }
 
 bool io_georef_from_wkt(io_georef *georef, const char *wkt) {
-    static const char *const projected[] = {"PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", NULL};
-    static const char *const geographic[] = {"GEOGCS", "GEOGCRS", "GEOGRAPHICCRS", NULL};
-    static const char *const ellipsoid[] = {"SPHEROID", "ELLIPSOID", NULL};
-    static const char *const unit[] = {"UNIT", "LENGTHUNIT", "ANGLEUNIT", NULL};
-    static const char *const axis[] = {"AXIS", NULL};
-    int depth = 0, main_depth = 0, unit_depth = 0;
-    node n;
-    io_georef g = {0};
-    for (const char *at = wkt; next_node(&at, &depth, &n);) {
-        double value[2];
-        if (main_depth == 0 && (is_one_of(&n, projected) || is_one_of(&n, geographic))) {
-            g.geographic = is_one_of(&n, geographic);
-            main_depth = n.depth;
-        } else if (main_depth > 0 && n.depth <= main_depth) {
-            break; /* the system of heights follows the horizontal one */
-        } else if (is_one_of(&n, ellipsoid) && numbers(&n, value, 2) && g.semi_major == 0) {
-            g.semi_major = value[0];
-            g.inverse_flattening = value[1];
-        } else if (main_depth > 0 && n.depth == main_depth + 1 && is_one_of(&n, axis)) {
-            unit_depth = n.depth + 1; /* where one unit of all axes is missing */
-        } else if (main_depth > 0 && (n.depth == main_depth + 1 || n.depth == unit_depth) && g.unit == 0 &&
-                   is_one_of(&n, unit) && numbers(&n, value, 1)) {
-            g.unit = value[0];
-        }
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_0123456789";
+    reading r = {.main = 0};
+    int depth = 0;
+    size_t length = 0; /* of the word that a bracket may follow */
+    const char *word = wkt;
+    for (const char *c = wkt; *c != '\0'; c++) {
+        if (*c == '[' || *c == '(') take_node(&r, word, length, ++depth, c + 1);
+        if (*c == ']' || *c == ')') depth--;
+        if (*c == '"' && (c = strchr(c + 1, '"')) == NULL) return false;
+        if (strchr(" \t\r\n", *c) != NULL) continue;
+        word = c;
+        length = strspn(c, letters);
+        if (length > 0) c += length - 1;
     }
-    if (main_depth == 0 || !is_whole(wkt)) return false;
+    if (r.main == 0 || depth != 0) return false;
     georef->crs = strdup(wkt);
-    georef->geographic = g.geographic;
-    georef->unit = g.unit > 0 ? g.unit : 0;
-    georef->semi_major = g.semi_major;
-    georef->inverse_flattening = g.inverse_flattening;
+    georef->geographic = r.found.geographic;
+    georef->unit = r.found.unit > 0 ? r.found.unit : 0;
+    georef->semi_major = r.found.semi_major;
+    georef->inverse_flattening = r.found.inverse_flattening;
     return georef->crs != NULL;
 }

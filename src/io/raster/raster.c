@@ -4,12 +4,12 @@
 #include "raster.h"
 
 #include "large.h"
+#include "target.h"
 
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static void warn(const io_raster_options *options, const char *format, ...) {
     if (options->warn == NULL) return;
@@ -19,11 +19,6 @@ static void warn(const io_raster_options *options, const char *format, ...) {
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     options->warn(options->context, text);
-}
-
-bool io_raster_progress(const io_raster_options *options, const char *path, double share, io_error *error) {
-    if (options->progress == NULL || options->progress(options->context, share)) return true;
-    return io_fail(error, "%s: interrupted", path);
 }
 
 static void take_nodata_out(const io_raster_options *options, io_raster *raster) {
@@ -43,7 +38,7 @@ static const float coarse = 0x1p24f;
 /* Warns of values that programs often write for no data, if the file does not mark them, and of heights whose last
  * digits are lost. */
 static void smell_samples(const char *path, const io_raster_options *options, const io_raster *raster) {
-    float suspicious[] = {-32768, -32767, -9999, -99999};
+    static const float suspicious[] = {-32768, -32767, -9999, -99999}, beyond = 1e30f;
     enum { COUNT = sizeof suspicious / sizeof suspicious[0] };
     size_t counts[COUNT] = {0}, huge = 0, zeros = 0;
     float example = 0, largest = 0, nearest = INFINITY; /* to 0 */
@@ -54,19 +49,15 @@ static void smell_samples(const char *path, const io_raster_options *options, co
             low = z[i] < low ? z[i] : low;
             high = z[i] > high ? z[i] : high;
         }
-        for (int k = 0; k < 2; k++) {
-            const float size = fabsf(k ? low : high);
-            if (size < 1e30f && size > largest) largest = size;
-        }
-        if (low > 0) nearest = low < nearest ? low : nearest;
-        for (size_t i = 0; i < raster->nx && !(low > 0); i++) {
-            zeros += z[i] == 0;
-            nearest = z[i] != 0 && fabsf(z[i]) < nearest ? fabsf(z[i]) : nearest;
-        }
-        if (!(low <= -9999 || high >= 1e30f)) continue;
-        for (size_t i = 0; i < raster->nx; i++) {
+        if (fabsf(low) < beyond) largest = fmaxf(largest, fabsf(low));
+        if (fabsf(high) < beyond) largest = fmaxf(largest, fabsf(high));
+        if (low > 0) nearest = fminf(nearest, low);
+        for (size_t i = 0; i < raster->nx && !(low > 0 && high < beyond); i++) {
+            const float size = fabsf(z[i]);
+            zeros += size == 0;
+            nearest = size > 0 && size < nearest ? size : nearest;
             for (int k = 0; k < COUNT; k++) counts[k] += z[i] == suspicious[k];
-            if (!(fabsf(z[i]) >= 1e30f) || isinf(z[i])) continue;
+            if (!(size >= beyond) || isinf(size)) continue;
             example = z[i];
             huge++;
         }
@@ -159,9 +150,8 @@ bool io_raster_read(const char *path, const io_raster_options *options, io_raste
     static const io_raster_options nothing = {0};
     *raster = (io_raster){0};
     if (options == NULL) options = &nothing;
-    const char *ending = strrchr(path, '.');
-    const bool npy = ending != NULL && strcasecmp(ending, ".npy") == 0;
-    if (!(npy ? io_raster_read_npy : io_raster_read_gdal)(path, options, raster, error)) return false;
+    if (!(io_name_ends(path, ".npy") ? io_raster_read_npy : io_raster_read_gdal)(path, options, raster, error))
+        return false;
     if (finish(path, options, raster, error)) return true;
     io_raster_free(raster);
     return false;

@@ -82,6 +82,8 @@ static inline void io_raster_shift(io_raster *raster, size_t i, size_t j) {
 }
 
 /* For the readers: tells the options' progress; false, with the error, if the reading is to end. */
-bool io_raster_progress(const io_raster_options *options, const char *path, double share, io_error *error);
+static inline bool io_raster_progress(const io_raster_options *o, const char *path, double share, io_error *error) {
+    return o->progress == NULL || o->progress(o->context, share) || io_fail(error, "%s: interrupted", path);
+}
 
 #endif

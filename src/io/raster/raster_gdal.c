@@ -8,13 +8,9 @@
 
 #include <dlfcn.h>
 #include <limits.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-/* A field numbers its samples by 31 bits. */
-static const uint64_t most_samples = (uint64_t)1 << 31;
 
 static const char *const module_name = "cellwalk_gdal.so";
 
@@ -79,19 +75,6 @@ const io_gdal *io_gdal_load(io_error *error) {
     return loaded = module;
 }
 
-static bool read_rows(const io_gdal *gdal, io_gdal_source *source, const char *path, const io_raster_options *options,
-                      size_t at_once, io_raster *raster, io_error *error) {
-    const size_t ny = raster->ny, nx = raster->nx;
-    float *z = raster->memory;
-    for (size_t j = 0; j < ny;) {
-        if (!io_raster_progress(options, path, (double)j / (double)ny, error)) return false;
-        const size_t count = ny - j < at_once ? ny - j : at_once;
-        if (!gdal->read(source, j, count, z + j * nx, error)) return false;
-        j += count;
-    }
-    return true;
-}
-
 bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     io_error reason;
     const io_gdal *gdal = io_gdal_load(&reason);
@@ -99,22 +82,7 @@ bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_
         return io_fail(error,
                        "%s: only .npy is read without GDAL; GeoTIFF, ASCII grids and all other rasters need it: %s",
                        path, reason.text);
-    io_raster about = {.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    size_t at_once = 1;
-    io_gdal_source *source = gdal->open(path, options, io_inputs_note_path, &about, &at_once, error);
-    bool good = source != NULL;
-    if (good && !options->no_samples) {
-        good = (uint64_t)about.nx * about.ny <= most_samples
-                   ? io_raster_allocate(path, about.nx, about.ny, raster, error)
-                   : io_fail(
-                         error,
-                         "%s: %zu x %zu samples are more than a field can hold; gdal_translate -srcwin cuts a part out",
-                         path, about.nx, about.ny);
-        about.z = about.memory = raster->memory;
-        good = good && read_rows(gdal, source, path, options, at_once, &about, error);
-    }
-    *raster = about;
-    if (source != NULL) gdal->close(source);
-    if (!good) io_raster_free(raster);
-    return good;
+    if (gdal->raster(path, options, io_inputs_note_path, io_raster_allocate, raster, error)) return true;
+    io_raster_free(raster);
+    return false;
 }

@@ -7,12 +7,12 @@
 #include "inputs.h"
 #include "npy.h"
 #include "raster_sink.h"
+#include "target.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -38,8 +38,8 @@ static bool npy_finish(io_raster_writer *w, bool whole, io_error *error) {
     return whole;
 }
 
-const io_raster_sink io_sink_npy = {
-    .ending = ".npy", .what = "NumPy array", .create = npy_create, .write = npy_write, .finish = npy_finish};
+static const char *const npy_sidecars[] = {NULL};
+const io_raster_sink io_sink_npy = {".npy", "NumPy array", 0, npy_sidecars, npy_create, npy_write, npy_finish};
 
 /* ---- GeoTIFF ----------------------------------------------------------------------------------------------------- */
 
@@ -100,12 +100,7 @@ bool io_raster_check_creation(const char *const *creation, size_t count, bool co
 }
 
 static const char *const tif_sidecars[] = {".aux.xml", ".ovr", ".msk", "*.tfw", "w", NULL};
-const io_raster_sink io_sink_tif = {.ending = ".tif",
-                                    .what = "GeoTIFF",
-                                    .sidecars = tif_sidecars,
-                                    .create = tif_create,
-                                    .write = tif_write,
-                                    .finish = tif_finish};
+const io_raster_sink io_sink_tif = {".tif", "GeoTIFF", 0, tif_sidecars, tif_create, tif_write, tif_finish};
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
@@ -117,14 +112,9 @@ static const io_raster_sink *const sinks[] = {&io_sink_tif, &io_sink_npy, &io_si
 enum { SINKS = sizeof sinks / sizeof sinks[0] };
 
 static const io_raster_sink *sink_of(const char *path) {
-    const size_t length = strlen(path);
-    for (int k = 0; k < SINKS; k++) {
-        const size_t ending = strlen(sinks[k]->ending);
-        if (length > ending && strcasecmp(path + length - ending, sinks[k]->ending) == 0) return sinks[k];
-    }
-    const size_t long_ending = strlen(".tiff");
-    const bool tiff = length > long_ending && strcasecmp(path + length - long_ending, ".tiff") == 0;
-    return tiff ? &io_sink_tif : NULL;
+    for (int k = 0; k < SINKS; k++)
+        if (io_name_ends(path, sinks[k]->ending)) return sinks[k];
+    return io_name_ends(path, ".tiff") ? &io_sink_tif : NULL;
 }
 
 bool io_raster_is_tif(const char *path) { return sink_of(path) == &io_sink_tif; }
@@ -149,39 +139,32 @@ bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
 
 /* ---- files beside the raster ------------------------------------------------------------------------------------------- */
 
-/* False if there is no such file. A folder of that name is none. */
-static bool find_sidecar(char name[PATH_MAX], const char *ending, const char *path, struct stat *about) {
+/* False if the name is too long. */
+static bool name_sidecar(char name[PATH_MAX], const char *ending, const char *path) {
     const char *slash = strrchr(path, '/'), *point = strrchr(slash ? slash : path, '.');
     const int stem = ending[0] == '*' && point != NULL ? (int)(point - path) : (int)strlen(path);
-    const int length = snprintf(name, PATH_MAX, "%.*s%s", stem, path, ending + (ending[0] == '*'));
-    return length > 0 && length < PATH_MAX && lstat(name, about) == 0 && !S_ISDIR(about->st_mode);
+    return snprintf(name, PATH_MAX, "%.*s%s", stem, path, ending + (ending[0] == '*')) < PATH_MAX;
 }
 
-/* For an output that replaces no file: false if a file of the list is there, which would be read with the new raster but
- * may be wanted. For one that replaces a file: false if one of the list is an input. */
-static bool check_list(io_sidecar_list list, const char *path, bool replaces, io_error *error) {
+/* What becomes of a list's files that are there: where no file is replaced, one is an error, since it would be read with the new
+ * raster but may be wanted; else one that is an input; and after that they go, links and not what they lead to. */
+typedef enum fate { MUST_BE_NONE, MUST_BE_NO_INPUT, GOES } fate;
+
+static bool treat_list(io_sidecar_list list, const char *path, fate what, io_error *error) {
     char name[PATH_MAX];
     struct stat about;
     for (; list != NULL && *list != NULL; list++) {
-        if (!find_sidecar(name, *list, path, &about)) continue;
-        if (!replaces)
+        if (!name_sidecar(name, *list, path) || lstat(name, &about) != 0 || S_ISDIR(about.st_mode)) continue;
+        if (what == MUST_BE_NONE)
             return io_fail(error,
                            "%s: cannot write: %s, left of another file, would be read with it; remove that first", path,
                            name);
-        if (io_inputs_have(&about))
+        if (what == MUST_BE_NO_INPUT && io_inputs_have(&about))
             return io_fail(error, "%s: cannot write: %s belongs to it and is also an input", path, name);
-    }
-    return true;
-}
-
-/* Removes them; links, and not the files behind them. False, with a message, if one stays. */
-static bool remove_list(io_sidecar_list list, const char *path, io_error *error) {
-    char name[PATH_MAX];
-    struct stat about;
-    for (; list != NULL && *list != NULL; list++)
-        if (find_sidecar(name, *list, path, &about) && unlink(name) != 0 && errno != ENOENT)
+        if (what == GOES && unlink(name) != 0 && errno != ENOENT)
             return io_fail(error, "%s: is written, but %s of the file before it cannot be removed: %s", path, name,
                            strerror(errno));
+    }
     return true;
 }
 
@@ -194,23 +177,24 @@ static bool has_world(const io_raster_writer *w) {
  * upper left pixel's centre. */
 static bool write_world(io_raster_writer *w, io_error *error) {
     const double(*m)[4] = w->product.map;
-    const char *picture = w->output.target;
     char path[PATH_MAX];
-    const int stem = (int)(strlen(picture) - strlen(io_sink_png.ending));
-    if (snprintf(path, sizeof path, "%.*s.pgw", stem, picture) >= (int)sizeof path)
-        return io_fail(error, "%s: the world file's name is too long", picture);
+    if (!name_sidecar(path, "*.pgw", w->output.target))
+        return io_fail(error, "%s: the world file's name is too long", w->output.target);
     return io_output_open(&w->world, path, error) &&
            io_output_print(&w->world, error, "%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n", m[0][0], m[1][0], m[0][1],
                            m[1][1], m[0][3], m[1][3]);
 }
 
+static bool is_there(const char *path) {
+    struct stat about;
+    return stat(path, &about) == 0;
+}
+
+/* A picture's world file is written anew, and the first of its list. */
 static bool check_sidecars(const io_raster_writer *w, io_error *error) {
-    io_sidecar_list list = w->sink->sidecars;
-    struct stat old;
-    const bool replaces = stat(w->output.target, &old) == 0;
-    if (w->output.direct) return true;
-    if (has_world(w)) list++; /* which is written anew */
-    return check_list(list, w->output.target, replaces, error) && check_list(list, w->output.name, replaces, error);
+    const io_sidecar_list list = w->output.direct ? NULL : w->sink->sidecars + has_world(w);
+    const fate what = is_there(w->output.target) ? MUST_BE_NO_INPUT : MUST_BE_NONE;
+    return treat_list(list, w->output.target, what, error) && treat_list(list, w->output.name, what, error);
 }
 
 /* ---- from the first row to the last -------------------------------------------------------------------------------------- */
@@ -246,20 +230,17 @@ bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_err
 /* The world file is renamed last, in place of the one before it, whose rights it keeps. If it cannot be, the old one would put the
  * new picture in the wrong place. */
 static bool commit(io_raster_writer *w, io_error *error) {
-    struct stat old;
-    const bool world = w->world.name != NULL, replaces = !w->output.direct && stat(w->output.target, &old) == 0;
     static const char *const world_file[] = {"*.pgw", NULL};
+    char target[PATH_MAX], name[PATH_MAX]; /* beside either, programs look for sidecars */
+    snprintf(target, sizeof target, "%s", w->output.target);
+    snprintf(name, sizeof name, "%s", w->output.name);
+    const bool world = w->world.name != NULL, replaces = !w->output.direct && is_there(target);
     const io_sidecar_list list = replaces ? w->sink->sidecars + world : NULL;
-    char *names[2] = {strdup(w->output.target), strdup(w->output.name)}; /* where programs look for sidecars */
-    bool good = (names[0] != NULL && names[1] != NULL) || io_fail(error, "%s: out of memory", w->output.name);
-    good = good && (!world || io_output_settle(&w->world, error)) && io_output_commit(&w->output, error) &&
-           remove_list(list, names[0], error) && remove_list(list, names[1], error);
-    if (good && world && !io_output_commit(&w->world, error)) {
-        remove_list(world_file, names[0], NULL);
-        good = false;
-    }
-    for (int k = 0; k < 2; k++) free(names[k]);
-    return good;
+    const bool good = (!world || io_output_settle(&w->world, error)) && io_output_commit(&w->output, error) &&
+                      treat_list(list, target, GOES, error) && treat_list(list, name, GOES, error);
+    if (!good || !world || io_output_commit(&w->world, error)) return good;
+    treat_list(world_file, target, GOES, NULL);
+    return false;
 }
 
 bool io_raster_commit(io_raster_writer *w, io_error *error) {

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Results as pictures of 8 bits a colour, grey or RGB, row by row: a product has more cells than a picture in memory would be good for.
- * Hence not libpng's simplified interface, which takes whole pictures, as src/io/image_png.c does. */
+/* Pictures of 8 bits a colour through libpng, row by row: a product has more cells than a picture in memory would be good for. */
 
+#include "image.h"
 #include "raster_sink.h"
 
 #include <errno.h>
+#include <math.h>
 #include <png.h>
 #include <setjmp.h>
 #include <stdlib.h>
@@ -13,9 +14,8 @@
 typedef struct png_state {
     png_structp png;
     png_infop info;
-    const char *name;
     char problem[200];
-    unsigned char *grey;
+    unsigned char *row;
 } png_state;
 
 static void on_error(png_structp png, png_const_charp text) {
@@ -25,52 +25,53 @@ static void on_error(png_structp png, png_const_charp text) {
     png_longjmp(png, 1);
 }
 
-static void on_warning(png_structp png, png_const_charp text) {
-    (void)png;
-    (void)text;
-}
-
-static bool fail(const png_state *s, io_error *error) {
-    return io_fail(error, "%s: cannot write: %s", s->name, s->problem);
-}
+static void on_warning(png_structp png, png_const_charp text) { (void)png, (void)text; }
 
 static void free_state(io_raster_writer *w) {
     png_state *s = w->state;
     png_destroy_write_struct(&s->png, &s->info);
-    free(s->grey);
+    free(s->row);
     free(s);
     w->state = NULL;
+}
+
+/* libpng leaves a step that fails by a jump to here. */
+static bool take_step(io_raster_writer *w, void (*step)(io_raster_writer *w, const void *cells, size_t rows),
+                      const void *cells, size_t rows, io_error *error) {
+    png_state *s = w->state;
+    errno = 0;
+    if (setjmp(png_jmpbuf(s->png))) return io_fail(error, "%s: cannot write: %s", w->output.name, s->problem);
+    step(w, cells, rows);
+    return true;
+}
+
+static void begin(io_raster_writer *w, const void *cells, size_t rows) {
+    const io_raster_product *p = &w->product;
+    png_state *s = w->state;
+    (void)cells, (void)rows;
+    png_init_io(s->png, w->output.file);
+    png_set_IHDR(s->png, s->info, (png_uint_32)p->nx, (png_uint_32)p->ny, 8,
+                 p->rgb ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
+    if (p->georef == NULL) png_set_sRGB(s->png, s->info, PNG_sRGB_INTENT_PERCEPTUAL); /* light, and no map */
+    png_write_info(s->png, s->info);
 }
 
 static bool png_create(io_raster_writer *w, io_error *error) {
     const io_raster_product *p = &w->product;
     if (p->nx > 1000000 || p->ny > 1000000)
         return io_fail(error, "%s: %zu x %zu pixels are too many for PNG", w->output.name, p->nx, p->ny);
-    png_state *s = calloc(1, sizeof *s);
-    if (s == NULL || (s->grey = malloc(p->nx)) == NULL) {
-        free(s);
-        return io_fail(error, "%s: out of memory", w->output.name);
-    }
-    w->state = s;
-    s->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, s, on_error, on_warning);
+    png_state *s = w->state = calloc(1, sizeof *s);
+    if (s == NULL) return io_fail(error, "%s: out of memory", w->output.name);
+    s->row = malloc(3 * p->nx);
+    s->png = s->row ? png_create_write_struct(PNG_LIBPNG_VER_STRING, s, on_error, on_warning) : NULL;
     s->info = s->png ? png_create_info_struct(s->png) : NULL;
-    if (s->info == NULL) {
-        free_state(w);
-        return io_fail(error, "%s: out of memory", w->output.name);
-    }
-    png_init_io(s->png, w->output.file);
-    s->name = w->output.name;
-    errno = 0;
-    if (setjmp(png_jmpbuf(s->png))) {
-        fail(s, error);
-        free_state(w);
-        return false;
-    }
-    png_set_IHDR(s->png, s->info, (png_uint_32)p->nx, (png_uint_32)p->ny, 8,
-                 p->rgb ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
-    png_write_info(s->png, s->info);
-    return true;
+    if (s->info == NULL)
+        io_fail(error, "%s: out of memory", w->output.name);
+    else if (take_step(w, begin, NULL, 0, error))
+        return true;
+    free_state(w);
+    return false;
 }
 
 /* NaN is black. */
@@ -85,42 +86,55 @@ static double cell_value(io_cell cell, const void *cells, size_t k) {
     return (double)((const float *)cells)[k];
 }
 
+static void add_rows(io_raster_writer *w, const void *cells, size_t rows) {
+    const io_raster_product *p = &w->product;
+    png_state *s = w->state;
+    for (size_t j = 0; j < rows; j++) {
+        for (size_t i = 0; i < p->nx && !p->rgb; i++) s->row[i] = grey(p, cell_value(p->cell, cells, j * p->nx + i));
+        png_write_row(s->png, p->rgb ? (const unsigned char *)cells + 3 * j * p->nx : s->row);
+    }
+}
+
 static bool png_write(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
                       io_error *error) {
     (void)band;
-    const io_raster_product *p = &w->product;
-    png_state *s = w->state;
-    errno = 0;
-    if (setjmp(png_jmpbuf(s->png))) return fail(s, error);
-    for (size_t j = 0; j < window->ny; j++) {
-        if (p->rgb) {
-            png_write_row(s->png, (const unsigned char *)cells + 3 * j * p->nx);
-            continue;
-        }
-        for (size_t i = 0; i < p->nx; i++) s->grey[i] = grey(p, cell_value(p->cell, cells, j * p->nx + i));
-        png_write_row(s->png, s->grey);
-    }
-    return true;
+    return take_step(w, add_rows, cells, window->ny, error);
+}
+
+static void end(io_raster_writer *w, const void *cells, size_t rows) {
+    (void)cells, (void)rows;
+    png_write_end(((png_state *)w->state)->png, NULL);
 }
 
 static bool png_finish(io_raster_writer *w, bool whole, io_error *error) {
-    png_state *s = w->state;
-    volatile bool good = whole;
-    errno = 0;
-    if (setjmp(png_jmpbuf(s->png)))
-        good = fail(s, error);
-    else if (whole)
-        png_write_end(s->png, NULL);
+    const bool good = whole && take_step(w, end, NULL, 0, error);
     free_state(w);
     return good;
 }
 
 /* The world file first: raster_out.c leaves it out if it writes one. */
 static const char *const sidecars[] = {"*.pgw", "w", ".aux.xml", ".ovr", ".msk", NULL};
-const io_raster_sink io_sink_png = {.ending = ".png",
-                                    .what = "picture",
-                                    .bands_most = 1,
-                                    .sidecars = sidecars,
-                                    .create = png_create,
-                                    .write = png_write,
-                                    .finish = png_finish};
+const io_raster_sink io_sink_png = {".png", "picture", 1, sidecars, png_create, png_write, png_finish};
+
+/* ---- pictures of light ------------------------------------------------------------------------------------------------- */
+
+/* IEC 61966-2-1. Light outside [0, 1] is cut off; NaN is black. */
+static uint8_t srgb(float light) {
+    if (!(light > 0)) return 0;
+    if (light >= 1) return 255;
+    const float code = light <= 0.0031308f ? 12.92f * light : 1.055f * powf(light, 1 / 2.4f) - 0.055f;
+    return (uint8_t)(code * 255 + 0.5f);
+}
+
+bool io_png_put(io_output *out, const io_image *image, io_error *error) {
+    io_raster_writer w = {.output = *out, .product = {.nx = image->width, .ny = image->height, .rgb = true}};
+    if (!png_create(&w, error)) return false;
+    const size_t n = 3 * image->width;
+    unsigned char *row = ((png_state *)w.state)->row;
+    bool good = true;
+    for (size_t y = 0; good && y < image->height; y++) {
+        for (size_t k = 0; k < n; k++) row[k] = srgb(image->rgb[y * n + k]);
+        good = take_step(&w, add_rows, row, 1, error);
+    }
+    return png_finish(&w, good, error);
+}

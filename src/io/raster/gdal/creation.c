@@ -13,14 +13,6 @@
 #include <string.h>
 #include <strings.h>
 
-bool gdal_has_compression(const char *name) {
-    GDALDriverH driver = GDALGetDriverByName("GTiff");
-    const char *list = driver != NULL ? GDALGetMetadataItem(driver, GDAL_DMD_CREATIONOPTIONLIST, NULL) : NULL;
-    char value[40];
-    snprintf(value, sizeof value, "<Value>%s</Value>", name);
-    return list != NULL && strstr(list, value) != NULL;
-}
-
 static GDALDriverH driver_of(bool cog) {
     if (cog) GDALRegister_COG();
     return GDALGetDriverByName(cog ? "COG" : "GTiff");
@@ -45,12 +37,6 @@ bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io
     CSLDestroy(list);
     return good;
 }
-
-static const char *predictor_of(const io_raster_product *p) {
-    return p->cell == IO_CELL_FLOAT32 ? "3" : p->cell == IO_CELL_UINT8 ? "1" : "2";
-}
-
-static const char *const names[] = {"DEFLATE", "ZSTD", "NONE"};
 
 /* Each of the user's takes the place of one of the program's; a compression that of all that belongs to it. */
 static char **replace(char **options, const io_raster_product *p) {
@@ -111,40 +97,32 @@ static char **limit_threads(char **options) {
                : options;
 }
 
-static char **shared_options(char **options, const io_raster_product *p) {
-    char threads[16];
-    snprintf(threads, sizeof threads, "%u", choose_threads(p));
-    options = CSLSetNameValue(options, "COMPRESS", names[p->compression]);
-    /* By the size before compression, which is larger as a rule: 2 GB of 4 are enough for what is added then. */
-    options = CSLSetNameValue(options, "BIGTIFF", "IF_SAFER");
-    return CSLSetNameValue(options, "NUM_THREADS", threads);
+/* Those of all files, and more. BIGTIFF goes by the size before compression, which is larger as a rule: 2 GB of 4 are enough for
+ * what is added then. */
+static char **make_options(const io_raster_product *p, const char *more) {
+    static const char *const names[] = {"DEFLATE", "ZSTD", "NONE"};
+    char text[300];
+    snprintf(text, sizeof text, "COMPRESS=%s BIGTIFF=IF_SAFER NUM_THREADS=%u %s", names[p->compression],
+             choose_threads(p), more);
+    return CSLTokenizeString(text);
 }
 
 char **gdal_tiff_options(const io_raster_product *p, const size_t side[2]) {
-    char text[2][24];
-    for (int k = 0; k < 2; k++) snprintf(text[k], sizeof text[k], "%zu", side[k]);
-    char **options = shared_options(NULL, p);
-    options = CSLSetNameValue(options, "TILED", "YES");
-    options = CSLSetNameValue(options, "BLOCKXSIZE", text[0]);
-    options = CSLSetNameValue(options, "BLOCKYSIZE", text[1]);
-    if (p->compression != IO_UNCOMPRESSED) {
-        /* Floats get hardly smaller by more, but take three times as long. */
-        options = CSLSetNameValue(options, p->compression == IO_ZSTD ? "ZSTD_LEVEL" : "ZLEVEL", "1");
-        options = CSLSetNameValue(options, "PREDICTOR", predictor_of(p));
-    }
-    options = CSLSetNameValue(options, "INTERLEAVE", "BAND");
-    options = CSLSetNameValue(options, "PHOTOMETRIC", "MINISBLACK");
+    /* Floats get hardly smaller by higher levels, but take three times as long. */
+    static const char *const levels[] = {"ZLEVEL=1 PREDICTOR=", "ZSTD_LEVEL=1 PREDICTOR=", ""},
+                             *const predictors[] = {"1", "2", "3", "2"}; /* by the kind of cell */
+    char text[200];
+    snprintf(text, sizeof text, "TILED=YES BLOCKXSIZE=%zu BLOCKYSIZE=%zu INTERLEAVE=BAND PHOTOMETRIC=MINISBLACK %s%s",
+             side[0], side[1], levels[p->compression], p->compression == IO_UNCOMPRESSED ? "" : predictors[p->cell]);
+    char **options = make_options(p, text);
     return limit_threads(p->cog ? options : replace(options, p)); /* those of the user are for the COG */
 }
 
 char **gdal_cog_options(const io_raster_product *p) {
-    char **options = shared_options(NULL, p);
-    if (p->compression != IO_UNCOMPRESSED) {
-        options = CSLSetNameValue(options, "LEVEL", "1");
-        options = CSLSetNameValue(options, "PREDICTOR", "YES");
-    }
     /* Flags and counts have no mean. GDAL's cubic one leaves the range of the values. */
     const bool counts = p->cell == IO_CELL_UINT8 || p->cell == IO_CELL_UINT16;
-    options = CSLSetNameValue(options, "OVERVIEW_RESAMPLING", counts ? "NEAREST" : "AVERAGE");
-    return limit_threads(replace(options, p));
+    char text[80];
+    snprintf(text, sizeof text, "%sOVERVIEW_RESAMPLING=%s",
+             p->compression == IO_UNCOMPRESSED ? "" : "LEVEL=1 PREDICTOR=YES ", counts ? "NEAREST" : "AVERAGE");
+    return limit_threads(replace(make_options(p, text), p));
 }

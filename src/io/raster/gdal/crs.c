@@ -42,24 +42,30 @@ void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef) {
     }
 }
 
+/* Brings n places from one system to another, in place. */
+static bool bring(OGRSpatialReferenceH from, OGRSpatialReferenceH to, size_t n, double *x, double *y) {
+    OSRSetAxisMappingStrategy(from, OAMS_TRADITIONAL_GIS_ORDER);
+    OSRSetAxisMappingStrategy(to, OAMS_TRADITIONAL_GIS_ORDER);
+    OGRCoordinateTransformationH way = OCTNewCoordinateTransformation(from, to);
+    const bool good = way != NULL && OCTTransform(way, (int)n, x, y, NULL) != 0;
+    OCTDestroyCoordinateTransformation(way);
+    return good;
+}
+
+static bool fail_way(io_error *error) {
+    return gdal_fail(error, "the coordinate system", "has no way to longitude and latitude");
+}
+
 bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error) {
     GDAL_CALL;
-    OGRSpatialReferenceH map = OSRNewSpatialReference(crs), earth = OSRNewSpatialReference(NULL);
-    OGRCoordinateTransformationH transformation = NULL;
-    bool good = false;
     CPLErrorReset();
-    if (map != NULL && earth != NULL && OSRImportFromEPSG(earth, 4326) == OGRERR_NONE) {
-        OSRSetAxisMappingStrategy(map, OAMS_TRADITIONAL_GIS_ORDER);
-        OSRSetAxisMappingStrategy(earth, OAMS_TRADITIONAL_GIS_ORDER);
-        transformation = OCTNewCoordinateTransformation(back ? earth : map, back ? map : earth);
-        good = transformation != NULL && OCTTransform(transformation, (int)n, x, y, NULL) != 0;
-        for (size_t k = 0; k < n; k++) good = good && isfinite(x[k]) && isfinite(y[k]);
-    }
-    if (!good) gdal_fail(error, "the coordinate system", "has no way to longitude and latitude");
-    OCTDestroyCoordinateTransformation(transformation);
-    if (map) OSRDestroySpatialReference(map);
-    if (earth) OSRDestroySpatialReference(earth);
-    return good;
+    OGRSpatialReferenceH map = OSRNewSpatialReference(crs), earth = OSRNewSpatialReference(NULL);
+    bool good = map != NULL && earth != NULL && OSRImportFromEPSG(earth, 4326) == OGRERR_NONE &&
+                bring(back ? earth : map, back ? map : earth, n, x, y);
+    for (size_t k = 0; k < n; k++) good = good && isfinite(x[k]) && isfinite(y[k]);
+    OSRDestroySpatialReference(map);
+    OSRDestroySpatialReference(earth);
+    return good || fail_way(error);
 }
 
 /* ---- the scale of a projection ----------------------------------------------------------------------------------- */
@@ -114,12 +120,7 @@ static bool find_scales(OGRSpatialReferenceH map, size_t n, const double *at_x, 
         x[k] = at_x[k / 4] + (k % 4 == 0 ? -away : k % 4 == 1 ? away : 0);
         y[k] = at_y[k / 4] + (k % 4 == 2 ? -away : k % 4 == 3 ? away : 0);
     }
-    OSRSetAxisMappingStrategy(map, OAMS_TRADITIONAL_GIS_ORDER);
-    OSRSetAxisMappingStrategy(earth, OAMS_TRADITIONAL_GIS_ORDER);
-    OGRCoordinateTransformationH way = good ? OCTNewCoordinateTransformation(map, earth) : NULL;
-    good =
-        way != NULL && OCTTransform(way, (int)(4 * n), x, y, NULL) != 0 && take_scales(&g, n, x, y, 2 * away, metres);
-    OCTDestroyCoordinateTransformation(way);
+    good = good && bring(map, earth, 4 * n, x, y) && take_scales(&g, n, x, y, 2 * away, metres);
     OSRDestroySpatialReference(earth);
     return good;
 }
@@ -131,9 +132,8 @@ bool gdal_scales(const char *crs, size_t n, const double *at_x, const double *at
     OGRSpatialReferenceH map = OSRNewSpatialReference(crs);
     double *x = malloc(4 * n * sizeof *x), *y = malloc(4 * n * sizeof *y);
     const bool good = map != NULL && x != NULL && y != NULL && find_scales(map, n, at_x, at_y, x, y, metres);
-    if (!good) gdal_fail(error, "the coordinate system", "has no way to longitude and latitude");
     free(x);
     free(y);
-    if (map) OSRDestroySpatialReference(map);
-    return good;
+    OSRDestroySpatialReference(map);
+    return good || fail_way(error);
 }

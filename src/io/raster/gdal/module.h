@@ -8,21 +8,18 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 13 };
+enum { IO_GDAL_VERSION = 14 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
 
-typedef struct io_gdal_source io_gdal_source;
 typedef struct io_gdal_target io_gdal_target;
 
 /* ---- functions of the module, which the program reaches through the table below ------------------------------------------ */
 
-/* Opens a band of a file, and calls note with names of the files that it is made of; fills in all of raster but the samples.
- * rows_at_once is how many rows are best read together. Closed by close. NULL on failure; georef must be freed then, too. */
-io_gdal_source *gdal_open(const char *path, const io_raster_options *options, bool (*note)(const char *path),
-                          io_raster *raster, size_t *rows_at_once, io_error *error);
-/* Rows first to first + count - 1 as heights, scale and offset applied, NaN where there are none. */
-bool gdal_read(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error);
-void gdal_close(io_gdal_source *source);
+/* Reads a band of a file as heights, scale and offset applied, NaN where there are none, into memory by allocate, which is
+ * io_raster_allocate; calls note with names of the files that it is made of. On failure raster must be freed, too. */
+bool gdal_raster(const char *path, const io_raster_options *options, bool (*note)(const char *path),
+                 bool (*allocate)(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error),
+                 io_raster *raster, io_error *error);
 
 /* Gives places from a file of features to add, and names of the files that it is made of to note. */
 bool gdal_points(const char *path, const io_points_options *options, io_points *points,
@@ -52,7 +49,7 @@ bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io
 bool gdal_scales(const char *crs, size_t n, const double *x, const double *y, double (*metres)[3], io_error *error);
 
 #define IO_GDAL_FUNCTIONS(F)                                                                                           \
-    F(open) F(read) F(close) F(points) F(areas) F(check_creation) F(create) F(write) F(finish) F(lon_lat) F(scales)
+    F(raster) F(points) F(areas) F(check_creation) F(create) F(write) F(finish) F(lon_lat) F(scales)
 #define IO_GDAL_FIELD(name) __typeof__(gdal_##name) *name;
 typedef struct io_gdal {
     int version; /* IO_GDAL_VERSION as the module was built */

@@ -11,10 +11,10 @@
 #include <string.h>
 #include <strings.h>
 
-struct io_gdal_source {
+typedef struct source {
     GDALDatasetH file;
     GDALRasterBandH band;
-    char *path;
+    const char *path;
     int i, j, nx; /* the first sample and the length of a row that is read */
     bool direct;  /* samples are floats as they are stored, or exact as floats: read in place */
     bool integer; /* stored as integers: no-data is compared with the stored value */
@@ -25,7 +25,7 @@ struct io_gdal_source {
     size_t other_count;
     double *row; /* a row as stored, unless direct */
     unsigned char *mask;
-};
+} source;
 
 static double height_unit(const char *name) {
     static const struct {
@@ -69,7 +69,7 @@ static void place(GDALDatasetH file, const char *path, const io_raster_options *
     if (raster->georef.placed) gdal_describe_crs(crs, &raster->georef);
 }
 
-static void describe_heights(io_gdal_source *s, const io_raster_options *options, io_raster *raster) {
+static void describe_heights(source *s, const io_raster_options *options, io_raster *raster) {
     const char *unit = GDALGetRasterUnitType(s->band);
     if (unit != NULL && unit[0] != '\0') {
         const double metres = height_unit(unit);
@@ -102,7 +102,7 @@ static void describe_heights(io_gdal_source *s, const io_raster_options *options
 }
 
 /* Chooses how samples are read, and makes the buffers. */
-static bool prepare(io_gdal_source *s, io_error *error) {
+static bool prepare(source *s, io_error *error) {
     const GDALDataType type = GDALGetRasterDataType(s->band);
     if (GDALDataTypeIsComplex(type)) return io_fail(error, "%s: holds complex numbers, which are no heights", s->path);
     s->integer = type != GDT_Float32 && type != GDT_Float64;
@@ -113,7 +113,7 @@ static bool prepare(io_gdal_source *s, io_error *error) {
     return ((s->direct || s->row) && (!s->has_mask || s->mask)) || io_fail(error, "%s: out of memory", s->path);
 }
 
-static bool choose_band(io_gdal_source *s, const io_raster_options *options, io_error *error) {
+static bool choose_band(source *s, const io_raster_options *options, io_error *error) {
     const int bands = GDALGetRasterCount(s->file);
     if (bands == 0) {
         char **parts = GDALGetMetadata(s->file, "SUBDATASETS");
@@ -130,7 +130,7 @@ static bool choose_band(io_gdal_source *s, const io_raster_options *options, io_
     return s->band != NULL || gdal_fail(error, s->path, "cannot read the band");
 }
 
-static bool take_window(io_gdal_source *s, const io_raster_options *options, io_raster *raster, io_error *error) {
+static bool take_window(source *s, const io_raster_options *options, io_raster *raster, io_error *error) {
     if (!io_raster_check_window(options, s->path, raster->nx, raster->ny, error)) return false;
     if (options->window.nx > 0) {
         raster->nx = options->window.nx;
@@ -143,16 +143,7 @@ static bool take_window(io_gdal_source *s, const io_raster_options *options, io_
     return true;
 }
 
-static void drop(io_gdal_source *s) {
-    if (s == NULL) return;
-    if (s->file) GDALClose(s->file);
-    free(s->path);
-    free(s->row);
-    free(s->mask);
-    free(s);
-}
-
-static bool open_band(io_gdal_source *s, const io_raster_options *options, io_raster *raster, io_error *error) {
+static bool open_band(source *s, const io_raster_options *options, io_raster *raster, io_error *error) {
     s->file = gdal_open_name(s->path, GDAL_OF_RASTER, error);
     if (s->file == NULL || !choose_band(s, options, error)) return false;
     raster->nx = (size_t)GDALGetRasterXSize(s->file);
@@ -165,7 +156,7 @@ static bool open_band(io_gdal_source *s, const io_raster_options *options, io_ra
 
 /* Rows of a GeoTIFF's blocks are read once each, so two of them are enough to keep: the memory of old blocks serves new ones. Other
  * formats may read a block again, as VRTs do those of their sources. GDAL's default is 5 % of the machine's memory. */
-static void limit_cache(const io_gdal_source *s, size_t block_rows) {
+static void limit_cache(const source *s, size_t block_rows) {
     static const double least = 1 << 22, most = 1 << 26;
     if (gdal_host() == NULL || CPLGetConfigOption("GDAL_CACHEMAX", NULL) != NULL) return;
     const double sample = GDALGetDataTypeSizeBytes(GDALGetRasterDataType(s->band)) * GDALGetRasterCount(s->file);
@@ -174,28 +165,8 @@ static void limit_cache(const io_gdal_source *s, size_t block_rows) {
     GDALSetCacheMax64((GIntBig)(once ? fmin(fmax(bytes, least), most) : most));
 }
 
-io_gdal_source *gdal_open(const char *path, const io_raster_options *options, bool (*note)(const char *path),
-                          io_raster *raster, size_t *rows_at_once, io_error *error) {
-    GDAL_CALL;
-    io_gdal_source *s = calloc(1, sizeof *s);
-    if (s == NULL || (s->path = strdup(path)) == NULL)
-        io_fail(error, "%s: out of memory", path);
-    else if (open_band(s, options, raster, error) && gdal_note_files(s->file, path, note, error)) {
-        /* Whole rows of blocks, some megabytes of them. */
-        int across = 0, down = 0;
-        GDALGetBlockSize(s->band, &across, &down);
-        const size_t block = down > 0 ? (size_t)down : 1, bytes = block * raster->nx * sizeof(float);
-        const size_t blocks = bytes < (size_t)1 << 22 ? ((size_t)1 << 22) / bytes : 1;
-        *rows_at_once = block * blocks;
-        limit_cache(s, block);
-        return s;
-    }
-    drop(s);
-    return NULL;
-}
-
 /* Values that mean no data become NaN; value is the one that the file stores. */
-static bool is_no_data(const io_gdal_source *s, double value) {
+static bool is_no_data(const source *s, double value) {
     bool is = s->has_nodata && value == s->nodata;
     for (size_t k = 0; k < s->other_count; k++) is |= value == s->others[k];
     return is;
@@ -208,7 +179,7 @@ static void drop_no_data(float *z, size_t n, double nodata) {
         if (z[k] == value) z[k] = NAN;
 }
 
-static bool convert(const io_gdal_source *s, size_t row, float *z, io_error *error) {
+static bool convert(const source *s, size_t row, float *z, io_error *error) {
     for (size_t i = 0; i < (size_t)s->nx; i++) {
         const double value = s->row[i], height = s->offset + s->scale * value;
         const bool hole = is_no_data(s, value) || (!s->integer && s->has_nodata && (float)value == (float)s->nodata);
@@ -220,8 +191,7 @@ static bool convert(const io_gdal_source *s, size_t row, float *z, io_error *err
     return true;
 }
 
-bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error *error) {
-    GDAL_CALL;
+static bool read_rows(const source *s, size_t first, size_t count, float *z, io_error *error) {
     const size_t nx = (size_t)s->nx;
     CPLErrorReset();
     if (s->direct) {
@@ -250,7 +220,46 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
     return true;
 }
 
-void gdal_close(io_gdal_source *s) {
+/* Whole rows of blocks, some megabytes of them at a time. */
+static bool read_all(const source *s, const io_raster_options *o, io_raster *raster, io_error *error) {
+    int across = 0, down = 0;
+    GDALGetBlockSize(s->band, &across, &down);
+    const size_t nx = raster->nx, ny = raster->ny, block = down > 0 ? (size_t)down : 1, room = (size_t)1 << 22,
+                 bytes = block * nx * sizeof(float), at_once = block * (bytes < room ? room / bytes : 1);
+    limit_cache(s, block);
+    for (size_t j = 0; j < ny; j += at_once) {
+        gdal_streams(true);
+        const bool on = io_raster_progress(o, s->path, (double)j / (double)ny, error);
+        gdal_streams(false);
+        if (!on || !read_rows(s, j, ny - j < at_once ? ny - j : at_once, raster->memory + j * nx, error)) return false;
+    }
+    return true;
+}
+
+static bool make_room(bool (*allocate)(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error),
+                      const char *path, io_raster *raster, io_error *error) {
+    const uint64_t most_samples = (uint64_t)1 << 31; /* a field numbers them by 31 bits */
+    io_raster room;
+    if ((uint64_t)raster->nx * raster->ny > most_samples)
+        return io_fail(error,
+                       "%s: %zu x %zu samples are more than a field can hold; gdal_translate -srcwin cuts a part out",
+                       path, raster->nx, raster->ny);
+    if (!allocate(path, raster->nx, raster->ny, &room, error)) return false;
+    raster->z = raster->memory = room.memory;
+    return true;
+}
+
+bool gdal_raster(const char *path, const io_raster_options *options, bool (*note)(const char *path),
+                 bool (*allocate)(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error),
+                 io_raster *raster, io_error *error) {
     GDAL_CALL;
-    drop(s);
+    source s = {.path = path};
+    *raster = (io_raster){.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    bool good = open_band(&s, options, raster, error) && gdal_note_files(s.file, path, note, error);
+    if (!options->no_samples)
+        good = good && make_room(allocate, path, raster, error) && read_all(&s, options, raster, error);
+    if (s.file) GDALClose(s.file);
+    free(s.row);
+    free(s.mask);
+    return good;
 }
