@@ -115,7 +115,7 @@ static void add_field(scene *s, const landscape_desc *d) {
 
 scene *landscape_create(const landscape_desc *d, io_error *error) {
     scene *s = calloc(1, sizeof *s);
-    bool good = s != NULL && allocate(s) && (s->textures[0] = texture_new()) != NULL;
+    bool good = s != NULL && allocate(s) && (s->textures[0] = calloc(1, sizeof(texture))) != NULL;
     if (good) s->texture_count = 1;
     if (!good || !add_water(s, d) || !texture_fill(s->textures[0], d->colours)) {
         scene_free(s);

@@ -108,7 +108,7 @@ static bool read_image(pbrt_state *p, const pbrt_site *site, const pbrt_texture 
     if (more != NULL) p->scene->textures = more;
     pbrt_image *images = grown(p->images, count, sizeof *images);
     if (images != NULL) p->images = images;
-    texture *new = more != NULL &&images != NULL ? texture_new() : NULL;
+    texture *new = more != NULL &&images != NULL ? calloc(1, sizeof *new) : NULL;
     if (new == NULL) return no_memory(site, error);
     more[p->scene->texture_count++] = new; /* from here on the scene frees it */
     images[count] = (pbrt_image){about.st_dev, about.st_ino, new};

@@ -172,7 +172,7 @@ static void read_probes(const texture *t, const wave_probes *p, size_t first, si
 }
 
 /* Sets the strip's colours, which are never below 0. */
-static void look_up(wave *w, texture *t) {
+static void look_up(wave *w, const texture *t) {
     wave_strip *s = &w->strip;
     wave_footprints *f = &w->footprints;
     wave_probes *p = &w->probes;
@@ -182,7 +182,6 @@ static void look_up(wave *w, texture *t) {
         place_plain_probes(s, t, p);
         read_probes(t, p, 0, s->n, sum);
     } else {
-        texture_need_levels(t);
         list_probes(s, f, p);
         place_probes(t, p);
         memset(sum, 0, s->n * sizeof sum[0]);

@@ -89,35 +89,18 @@ static void build_levels(texture *t) {
     }
 }
 
-static void build_once(texture *t) {
-    pthread_mutex_lock(&t->lock);
-    if (!atomic_load_explicit(&t->whole, memory_order_relaxed)) build_levels(t);
-    atomic_store_explicit(&t->whole, true, memory_order_release);
-    pthread_mutex_unlock(&t->lock);
-}
-
-texture *texture_new(void) {
-    texture *t = calloc(1, sizeof *t);
-    if (t == NULL || pthread_mutex_init(&t->lock, NULL) != 0) {
-        free(t);
-        return NULL;
-    }
-    t->build = build_once;
-    return t;
-}
-
 bool texture_fill(texture *t, io_image *image) {
     size_t texels = 0;
     if (!lay_out(t, image->width, image->height, &texels)) return false;
     t->texels = image->halves; /* it has room for all levels and stands where the finest one does */
     image->halves = NULL;
     for (int32_t y = 0; y < t->levels[0].height; y++) repeat_row(t, &t->levels[0], y);
+    build_levels(t);
     return true;
 }
 
 void texture_free(texture *t) {
     if (t == NULL) return;
-    pthread_mutex_destroy(&t->lock);
     free(t->texels);
     free(t);
 }

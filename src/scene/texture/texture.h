@@ -6,8 +6,6 @@
 
 #include "image.h"
 
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdint.h>
 
 enum { TEXTURE_LEVELS = 32 };
@@ -21,21 +19,12 @@ typedef struct texture_level {
 typedef struct texture {
     int count;
     texture_level levels[TEXTURE_LEVELS];
-    uint16_t *texels;     /* four halves each, the last of them 0 */
-    atomic_bool whole;    /* the smaller levels have been built */
-    pthread_mutex_t lock; /* of their building */
-    /* Builds them; a pointer, so that a tile's code needs only its arguments (render/wave_tile.c). */
-    void (*build)(struct texture *t);
+    uint16_t *texels; /* four halves each, the last of them 0 */
 } texture;
 
-/* Without an image yet; NULL when out of memory. */
-texture *texture_new(void);
-/* Takes over an image that was read, once. False if it is too large; the image is then still the caller's. */
+/* Takes an image that was read over into a texture that is all zero. False if it is too large; the image is then still the
+ * caller's. */
 bool texture_fill(texture *t, io_image *image);
-/* To be called, by any thread, before a smaller level is read: builds them, as not every picture needs them. */
-static inline void texture_need_levels(texture *t) {
-    if (!atomic_load_explicit(&t->whole, memory_order_acquire)) t->build(t);
-}
 void texture_free(texture *t);
 
 #endif
