@@ -72,35 +72,6 @@ static void only_files_are_read(void **state) {
     }
 }
 
-static void images_are_read_once(void **state) {
-    (void)state;
-    enum { TEXTURES = 60 };
-    static float rgb[12] = {0.5f, 0.5f, 0.5f, 1, 1, 1, 0, 0, 0, 0.25f, 0.5f, 1};
-    io_error error = {""};
-    check(io_image_write("a.exr", &(io_image){.width = 2, .height = 2, .rgb = rgb}, &error), "%s", error.text);
-    check(io_image_write("other.exr", &(io_image){.width = 2, .height = 2, .rgb = rgb}, &error), "%s", error.text);
-    assert_int_equal(link("a.exr", "b.exr"), 0);
-    FILE *file = fopen("a.pbrt", "w");
-    assert_non_null(file);
-    fputs(HEAD, file);
-    for (int k = 0; k < TEXTURES; k++)
-        fprintf(file,
-                "AttributeBegin\nTexture \"t%d\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
-                "Material \"matte\" \"texture Kd\" \"t%d\"\n" PLAIN "AttributeEnd\n",
-                k,
-                k == 7  ? "other.exr"
-                : k % 2 ? "a.exr"
-                        : "b.exr",
-                k);
-    fputs("WorldEnd\n", file);
-    fclose(file);
-    scene *s = scene_load("a.pbrt", NULL, NULL, &error);
-    check(s != NULL, "%s", error.text);
-    assert_int_equal(s->heightfield_count, TEXTURES);
-    assert_int_equal(s->texture_count, 2);
-    scene_free(s);
-}
-
 static void films_are_bounded(void **state) {
     (void)state;
     write_text("a.pbrt",
@@ -179,7 +150,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(included_files_are_counted, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(only_files_are_read, enter, scratch_leave),
-        cmocka_unit_test_setup_teardown(images_are_read_once, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(films_are_bounded, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(small_files_hold_no_large_pictures, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(warnings_end, enter, scratch_leave),

@@ -199,6 +199,8 @@ static void load_fails(const char *path, const char *message) {
 
 static void mistakes_are_named(void **state) {
     (void)state;
+    static float rgb[12];
+    assert_true(io_image_write("a.exr", &(io_image){.width = 2, .height = 2, .rgb = rgb}, NULL));
     for (size_t k = 0; k < sizeof mistakes / sizeof mistakes[0]; k++)
         load_fails(written("mistake.pbrt", mistakes[k].text), mistakes[k].message);
     load_fails("missing.pbrt", ": cannot read: No such file");
@@ -282,12 +284,12 @@ static void unreadable_images_are_named(void **state) {
     load_fails(written("broken.pbrt", file), message);
     snprintf(file, sizeof file, text, "gone.exr", PLAIN);
     load_fails(written("gone.pbrt", file), ":4: Texture: ");
-    /* An image that no shape needs is not read. */
-    snprintf(file, sizeof file, text, "gone.exr", "");
+    /* For a height field alone no image is read. */
+    snprintf(file, sizeof file, text, "gone.exr", PLAIN);
     io_error error = {""};
-    scene *s = scene_load(written("unused.pbrt", file), NULL, NULL, &error);
-    check(s != NULL, "%s", error.text);
-    scene_free(s);
+    cw_field *field = scene_load_heightfield(written("unused.pbrt", file), NULL, &error);
+    check(field != NULL, "%s", error.text);
+    cw_field_destroy(field);
 }
 
 /* What stands first in the file is told. */
@@ -302,7 +304,7 @@ static void the_first_error_is_told(void **state) {
     } cases[] = {{"good.exr", "good.exr", "", NULL},
                  {"good.exr", "good.exr", "Wrong\n", "Wrong: "},
                  {"broken.exr", "good.exr", "Wrong\n", ": Texture: broken.exr: "},
-                 {"good.exr", "broken.exr", "Wrong\n", "Wrong: "}, /* which its shape comes after */
+                 {"good.exr", "broken.exr", "Wrong\n", ": Texture: broken.exr: "},
                  {"good.exr", "broken.exr", "", ": Texture: broken.exr: "},
                  {"broken.exr", "gone.exr", "", ": Texture: broken.exr: "},
                  {"gone.exr", "broken.exr", "", ": Texture: gone.exr: "}};

@@ -7,7 +7,7 @@
 #include <string.h>
 
 bool pbrt_fail_at(const pbrt_site *site, size_t offset, io_error *error, const char *format, ...) {
-    char text[256];
+    char text[400];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);

@@ -300,8 +300,8 @@ bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *war
     p->fields_only = fields_only;
     p->warn = warn;
     p->warn_context = warn_context;
-    p->attributes = (pbrt_attributes){
-        .current = transform_identity(), .surface = {.kind = MATTE, .colour = {0.5f, 0.5f, 0.5f}}, .image = -1};
+    p->attributes =
+        (pbrt_attributes){.current = transform_identity(), .surface = {.kind = MATTE, .colour = {0.5f, 0.5f, 0.5f}}};
     s->samples = 4;
     s->width = 640;
     s->height = 480;
@@ -312,13 +312,8 @@ bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *war
     good = good && parse_file(p, path, error);
     if (good && !fields_only && !p->ended) good = io_fail(error, "%s: the file ends without WorldEnd", path);
 
-    for (int k = 0; k < p->texture_capacity; k++) {
-        free(p->textures[k].name);
-        free(p->textures[k].path);
-        free(p->textures[k].place);
-    }
+    for (int k = 0; k < p->texture_capacity; k++) free(p->textures[k].name);
     free(p->textures);
-    free(p->images);
     free(p->directory);
     free(p);
     return good;

@@ -5,7 +5,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* array with room for one more element of this size, or NULL. */
 static void *grown(void *array, size_t count, size_t size) { return realloc(array, (count + 1) * size); }
@@ -14,10 +13,41 @@ static bool no_memory(const pbrt_site *site, io_error *error) { return pbrt_fail
 
 /* ---- Texture and Material ----------------------------------------------------------------------------------------- */
 
+/* The image becomes the scene's. */
+static bool read_image(pbrt_state *p, const pbrt_site *site, const char *filename, texture **out, io_error *error) {
+    scene *s = p->scene;
+    texture **more = grown(s->textures, s->texture_count, sizeof *more);
+    if (more == NULL) return no_memory(site, error);
+    s->textures = more;
+    texture *new = calloc(1, sizeof *new);
+    char *path = pbrt_resolve(p, filename);
+    if (new == NULL || path == NULL) {
+        free(new);
+        free(path);
+        return no_memory(site, error);
+    }
+    *out = more[s->texture_count++] = new;
+    io_image image;
+    io_error why;
+    const bool read = io_image_read(path, &image, &why) || pbrt_fail(site, error, "%s", why.text);
+    free(path);
+    if (!read) return false;
+    const size_t pixels = image.width * image.height;
+    bool good = pixels <= IO_IMAGE_PIXELS_MAX - p->pixels ||
+                pbrt_fail(site, error, "the scene's images have more than %d pixels in all", IO_IMAGE_PIXELS_MAX);
+    if (good && !texture_fill(new, &image))
+        good =
+            pbrt_fail(site, error, "%zu x %zu pixels are too many for their smaller copies", image.width, image.height);
+    if (!good) io_image_free(&image);
+    p->pixels += pixels;
+    return good;
+}
+
 bool pbrt_texture_define(pbrt_state *p, const pbrt_site *site, io_error *error) {
     char *word[3] = {NULL, NULL, NULL}; /* name, type of value, class */
     pbrt_params params = {.count = 0};
     const char *filename = NULL;
+    texture *image = NULL;
     bool good = true;
     for (int k = 0; k < 3 && good; k++) good = (word[k] = pbrt_read_string(site, error)) != NULL;
     if (good && (strcmp(word[1], "color") != 0 || strcmp(word[2], "imagemap") != 0))
@@ -26,10 +56,11 @@ bool pbrt_texture_define(pbrt_state *p, const pbrt_site *site, io_error *error) 
     good = good && pbrt_params_read(&params, site, error) &&
            pbrt_param_string(&params, "string", "filename", &filename, error) && pbrt_params_all_used(&params, error);
     if (good && filename == NULL) good = pbrt_fail(site, error, "\"string filename\" is missing");
+    good = good && (p->fields_only || read_image(p, site, filename, &image, error));
 
-    pbrt_attributes *a = &p->attributes;
-    if (good && a->texture_count == p->texture_capacity) {
-        pbrt_texture *more = grown(p->textures, (size_t)p->texture_capacity, sizeof *more);
+    const int count = p->attributes.texture_count;
+    if (good && count == p->texture_capacity) {
+        pbrt_texture *more = grown(p->textures, (size_t)count, sizeof *more);
         good = more != NULL || no_memory(site, error);
         if (more != NULL) {
             p->textures = more;
@@ -37,17 +68,10 @@ bool pbrt_texture_define(pbrt_state *p, const pbrt_site *site, io_error *error) 
         }
     }
     if (good) {
-        /* The place may hold a texture whose name went out of sight at an AttributeEnd. */
-        pbrt_texture *t = &p->textures[a->texture_count];
-        char place[300];
-        snprintf(place, sizeof place, "%s:%zu", site->source->path, pbrt_line(site->source, site->offset));
-        free(t->name);
-        free(t->path);
-        free(t->place);
-        *t = (pbrt_texture){.name = word[0], .path = pbrt_resolve(p, filename), .place = strdup(place)};
+        free(p->textures[count].name); /* one that went out of sight at an AttributeEnd */
+        p->textures[count] = (pbrt_texture){word[0], image};
+        p->attributes.texture_count++;
         word[0] = NULL;
-        good = (t->path != NULL && t->place != NULL) || no_memory(site, error);
-        a->texture_count++;
     }
     pbrt_params_free(&params);
     for (int k = 0; k < 3; k++) free(word[k]);
@@ -57,7 +81,7 @@ bool pbrt_texture_define(pbrt_state *p, const pbrt_site *site, io_error *error) 
 static bool use_texture(pbrt_state *p, const pbrt_site *site, const char *name, io_error *error) {
     for (int k = p->attributes.texture_count; k-- > 0;)
         if (strcmp(p->textures[k].name, name) == 0) {
-            p->attributes.image = k;
+            p->attributes.surface.image = p->textures[k].image;
             return true;
         }
     return pbrt_fail(site, error, "texture \"%s\" is not defined", name);
@@ -67,7 +91,6 @@ static bool read_material(pbrt_state *p, const pbrt_site *site, pbrt_params *par
     pbrt_attributes *a = &p->attributes;
     const char *image = NULL;
     double sigma = 0;
-    a->image = -1;
     if (strcmp(params->class, "matte") == 0) {
         a->surface = (material){.kind = MATTE, .colour = {0.5f, 0.5f, 0.5f}};
         if (!pbrt_param_colour(params, "Kd", a->surface.colour, error) ||
@@ -92,51 +115,6 @@ bool pbrt_material(pbrt_state *p, const pbrt_site *site, io_error *error) {
     const bool good = pbrt_class_read(&params, site, NULL, error) && read_material(p, site, &params, error);
     pbrt_params_free(&params);
     return good;
-}
-
-/* Reads a file that no other directive has needed before; else it is the scene's already. */
-static bool read_image(pbrt_state *p, const pbrt_site *site, const pbrt_texture *t, texture **out, io_error *error) {
-    struct stat about = {0};
-    stat(t->path, &about); /* a missing file fails when it is read */
-    const size_t count = p->scene->texture_count;
-    for (size_t k = 0; k < count; k++)
-        if (p->images[k].device == about.st_dev && p->images[k].inode == about.st_ino) {
-            *out = p->images[k].image;
-            return true;
-        }
-    texture **more = grown(p->scene->textures, count, sizeof *more);
-    if (more != NULL) p->scene->textures = more;
-    pbrt_image *images = grown(p->images, count, sizeof *images);
-    if (images != NULL) p->images = images;
-    texture *new = more != NULL &&images != NULL ? calloc(1, sizeof *new) : NULL;
-    if (new == NULL) return no_memory(site, error);
-    more[p->scene->texture_count++] = new; /* from here on the scene frees it */
-    images[count] = (pbrt_image){about.st_dev, about.st_ino, new};
-
-    io_image image;
-    io_error why;
-    if (!io_image_read(t->path, &image, &why)) return io_fail(error, "%s: Texture: %s", t->place, why.text);
-    const size_t pixels = image.width * image.height;
-    bool good = pixels <= IO_IMAGE_PIXELS_MAX - p->pixels ||
-                io_fail(error, "%s: Texture: the scene's images have more than %d pixels in all", t->place,
-                        IO_IMAGE_PIXELS_MAX);
-    if (good && !texture_fill(new, &image))
-        good = io_fail(error, "%s: Texture: %zu x %zu pixels are too many for their smaller copies", t->place,
-                       image.width, image.height);
-    if (!good) io_image_free(&image);
-    p->pixels += pixels;
-    *out = new;
-    return good;
-}
-
-/* The current material for a shape; this is where its image is needed. */
-static bool surface(pbrt_state *p, const pbrt_site *site, material *out, io_error *error) {
-    *out = p->attributes.surface;
-    if (p->attributes.image < 0 || p->fields_only) return true;
-    pbrt_texture *t = &p->textures[p->attributes.image];
-    if (t->image == NULL && !read_image(p, site, t, &t->image, error)) return false;
-    out->image = t->image;
-    return true;
 }
 
 /* ---- Shape -------------------------------------------------------------------------------------------------------- */
@@ -178,9 +156,11 @@ static bool add_heightfield(pbrt_state *p, const pbrt_site *site, pbrt_params *p
     if (more == NULL) return no_memory(site, error);
     p->scene->heightfields = more;
     heightfield *h = &more[p->scene->heightfield_count];
-    *h = (heightfield){.nx = (size_t)nu, .ny = (size_t)nv, .to_world = p->attributes.current};
-    if (!surface(p, site, &h->surface, error)) return false;
-    h->samples = z->floats;
+    *h = (heightfield){.nx = (size_t)nu,
+                       .ny = (size_t)nv,
+                       .samples = z->floats,
+                       .to_world = p->attributes.current,
+                       .surface = p->attributes.surface};
     z->floats = NULL;
     p->scene->heightfield_count++; /* from here on the scene frees it */
     return create_field(p, site, h, error);
@@ -188,11 +168,10 @@ static bool add_heightfield(pbrt_state *p, const pbrt_site *site, pbrt_params *p
 
 static bool add_cylinder(pbrt_state *p, const pbrt_site *site, pbrt_params *params, io_error *error) {
     if (!pbrt_params_all_used(params, error)) return false;
-    cylinder c = {.to_world = p->attributes.current};
+    const cylinder c = {p->attributes.current, p->attributes.surface};
     transform to_object;
     if (!transform_invert(&c.to_world, &to_object))
         return pbrt_fail(site, error, "the current transform cannot be inverted");
-    if (!surface(p, site, &c.surface, error)) return false;
     cylinder *more = grown(p->scene->cylinders, p->scene->cylinder_count, sizeof *more);
     if (more == NULL) return no_memory(site, error);
     p->scene->cylinders = more;

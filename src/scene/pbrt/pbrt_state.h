@@ -8,19 +8,11 @@
 
 #include <sys/types.h>
 
-/* A Texture directive; its image is read when a shape needs it. */
+/* A Texture directive. */
 typedef struct pbrt_texture {
-    char *name, *path;
-    char *place; /* "file:line" */
-    texture *image;
+    char *name;
+    texture *image; /* the scene's; NULL if only fields are read */
 } pbrt_texture;
-
-/* A file's image, however many Texture directives name it. */
-typedef struct pbrt_image {
-    dev_t device;
-    ino_t inode;
-    texture *image; /* the scene's */
-} pbrt_image;
 
 /* Limits on levels of includes, and on all that a scene reads: a file that includes two others, which include two
  * others… would never end. */
@@ -30,8 +22,7 @@ static const uint64_t pbrt_bytes_max = (uint64_t)1 << 34;
 /* The state that AttributeBegin saves. */
 typedef struct pbrt_attributes {
     transform current;
-    material surface;  /* without its image */
-    int image;         /* number of its texture, or -1 */
+    material surface;
     int texture_count; /* names that can be seen */
 } pbrt_attributes;
 
@@ -55,8 +46,7 @@ typedef struct pbrt_state {
     int depth;
     pbrt_texture *textures;
     int texture_capacity;
-    pbrt_image *images; /* as many as the scene has textures */
-    size_t pixels;      /* of all of them */
+    size_t pixels; /* of all images */
     bool camera, world, ended;
 } pbrt_state;
 
