@@ -26,13 +26,9 @@ static inline void normalise(double v[3]) {
 
 static inline transform transform_identity(void) { return (transform){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; }
 
-static inline void transform_vector(const transform *t, const double v[3], double out[3]) {
-    const double from[3] = {v[0], v[1], v[2]}; /* v may be out */
-    affine_vector(t->m, from, out);
-}
-
 static inline void transform_point(const transform *t, const double p[3], double out[3]) {
-    transform_vector(t, p, out);
+    const double from[3] = {p[0], p[1], p[2]}; /* p may be out */
+    affine_vector(t->m, from, out);
     for (int r = 0; r < 3; r++) out[r] += t->m[r][3];
 }
 

@@ -297,8 +297,8 @@ static void shade_strip(wave *w, const wave_rays *r, size_t home, size_t number,
     const bool in_a_row = begin_strip(w, path, n);
     arrive(w, r, home, number, turns, in_a_row);
     if (shape->field != NULL) {
-        const bool border = on_field(w, shape);
-        field_normals(w, border, turns);
+        on_field(w, shape);
+        field_normals(w, turns);
     }
     if (mirror) {
         const size_t count = next->count;

@@ -94,7 +94,7 @@ LANE_INLINE void copy_row(const float *row, ptrdiff_t i, ptrdiff_t last, float *
 
 /* The 4 x 4 samples around each cell. Each row of four is copied as it stands for sixteen paths; putting the even
  * places first, twice, sorts these by sample. In place of a sample beyond the border stands the one there. */
-LANE_INLINE void fetch_window(wave_strip *s, const plan_shape *shape, bool border) {
+static void fetch_window(wave_strip *s, const plan_shape *shape) {
     const float *samples = shape->field->samples;
     const ptrdiff_t nx = (ptrdiff_t)shape->field->nx, last_i = nx - 1, last_j = (ptrdiff_t)shape->field->ny - 1;
     for (size_t first = 0; first < wave_whole(s->n); first += WAVE_LANES) {
@@ -102,11 +102,7 @@ LANE_INLINE void fetch_window(wave_strip *s, const plan_shape *shape, bool borde
         float row[4][ROW];
         for (size_t k = 0; k < WAVE_LANES; k++) {
             const ptrdiff_t i = s->i[first + k] - 1, j = s->j[first + k] - 1;
-            for (int r = 0; r < 4; r++)
-                if (border)
-                    copy_row(samples + clamp(j + r, last_j) * nx, i, last_i, &row[r][4 * k]);
-                else
-                    memcpy(&row[r][4 * k], samples + (j + r) * nx + i, 4 * sizeof(float));
+            for (int r = 0; r < 4; r++) copy_row(samples + clamp(j + r, last_j) * nx, i, last_i, &row[r][4 * k]);
         }
         for (size_t r = 0; r < 4; r++) {
             float half[ROW], sorted[ROW];
@@ -124,17 +120,6 @@ LANE_INLINE float window_sample(const wave_strip *s, int x, int y, size_t k) {
     return s->window[WINDOW_CELL + 4 * y + x][k];
 }
 
-/* Whether some cell lies at the border. */
-static bool at_border(const wave_strip *s, const plan_shape *shape) {
-    const int32_t last_i = (int32_t)shape->field->nx - 2, last_j = (int32_t)shape->field->ny - 2;
-    int32_t border = 0;
-    for (size_t k = 0; k < wave_whole(s->n); k++) {
-        const int32_t i = s->i[k], j = s->j[k];
-        border |= (i == 0) | (j == 0) | (i == last_i) | (j == last_j);
-    }
-    return border != 0;
-}
-
 /* On which sides of each cell the field does not end. */
 static void find_sides(wave_strip *s, const plan_shape *shape) {
     const int32_t last_i = (int32_t)shape->field->nx - 2, last_j = (int32_t)shape->field->ny - 2;
@@ -148,9 +133,8 @@ static void find_sides(wave_strip *s, const plan_shape *shape) {
 }
 
 /* The cell's corners (0, 0), (1, 0), (0, 1), (1, 1), the point and the normal of the flat triangle, which is long as
- * many times its area as every other one's. Returns whether some cell lies at the border, as far as that matters to
- * normals. */
-static bool on_field(wave *w, const plan_shape *shape) {
+ * many times its area as every other one's. */
+static void on_field(wave *w, const plan_shape *shape) {
     wave_strip *s = &w->strip;
     const float *samples = shape->field->samples;
     const cw_hit *answers = w->answers[shape - w->plan->shapes];
@@ -163,15 +147,9 @@ static bool on_field(wave *w, const plan_shape *shape) {
         s->u[k] = hit->u;
         s->v[k] = hit->v;
     }
-    const bool smooth = w->plan->smooth;
-    const bool border = smooth && (at_border(s, shape) || w->plan->general);
-    if (smooth) {
-        if (border) {
-            find_sides(s, shape);
-            fetch_window(s, shape, true);
-        } else {
-            fetch_window(s, shape, false);
-        }
+    if (w->plan->smooth) {
+        find_sides(s, shape);
+        fetch_window(s, shape);
     } else {
         for (size_t k = 0; k < wave_whole(s->n); k++) {
             const float *z = samples + (size_t)s->j[k] * nx + (size_t)s->i[k];
@@ -195,7 +173,6 @@ static bool on_field(wave *w, const plan_shape *shape) {
         s->flat[1][k] = -along_y;
         s->flat[2][k] = 1;
     }
-    return border;
 }
 
 /* Vertices that a normal is made from: the cell's corners at both ends of its diagonal, and the third corner of the triangle. */
@@ -203,19 +180,13 @@ enum { VERTEX_FIRST, VERTEX_LAST, VERTEX_THIRD };
 
 /* A vertex's normal is the sum of those of its triangles, at most six: both of the cells to the north-east and the
  * south-west, the lower one to the north-west, the upper one to the south-east. n, e, w and s are 1 or 0 as these
- * cells are there; multiplied by 1 all bits stay, so that a vertex inside needs no such factor. */
+ * cells are there. */
 typedef struct vertex {
     float x, y, z;
 } vertex;
 
-LANE_INLINE vertex vertex_inside(float c, float e, float n, float w, float s, float ne, float sw) {
-    const float x = (((e - c) + (ne - n)) + ((s - sw) + (c - w))) + ((c - w) + (e - c));
-    const float y = (((ne - e) + (n - c)) + ((c - s) + (w - sw))) + ((n - c) + (c - s));
-    return (vertex){-x, -y, 6};
-}
-
-LANE_INLINE vertex vertex_at_border(float c, float e, float n, float w, float s, float ne, float sw, float has_e,
-                                    float has_n, float has_w, float has_s) {
+LANE_INLINE vertex vertex_from(float c, float e, float n, float w, float s, float ne, float sw, float has_e,
+                               float has_n, float has_w, float has_s) {
     const float to_ne = has_n * has_e, to_sw = has_s * has_w, to_nw = has_n * has_w, to_se = has_s * has_e;
     const float x = (to_ne * ((e - c) + (ne - n)) + to_sw * ((s - sw) + (c - w))) + (to_nw * (c - w) + to_se * (e - c));
     const float y = (to_ne * ((ne - e) + (n - c)) + to_sw * ((c - s) + (w - sw))) + (to_nw * (n - c) + to_se * (c - s));
@@ -230,11 +201,10 @@ LANE_INLINE float beside(const wave_strip *s, int q, int dx, int dy, size_t k) {
     return s->lower[k] == 1 ? east : north;
 }
 
-LANE_INLINE vertex vertex_of(const wave_strip *s, int q, size_t k, bool border) {
+LANE_INLINE vertex vertex_of(const wave_strip *s, int q, size_t k) {
     const float c = beside(s, q, 0, 0, k), e = beside(s, q, 1, 0, k), n = beside(s, q, 0, 1, k);
     const float west = beside(s, q, -1, 0, k), south = beside(s, q, 0, -1, k);
     const float ne = beside(s, q, 1, 1, k), sw = beside(s, q, -1, -1, k);
-    if (!border) return vertex_inside(c, e, n, west, south, ne, sw);
     /* Towards the cell the field goes on in any case. */
     const bool at_east = q == VERTEX_LAST, at_west = q == VERTEX_FIRST;
     const bool east_corner = s->lower[k] == 1;
@@ -242,7 +212,7 @@ LANE_INLINE vertex vertex_of(const wave_strip *s, int q, size_t k, bool border) 
     const float has_w = at_east ? 1 : at_west || !east_corner ? s->goes_on[WEST][k] : 1;
     const float has_n = at_west ? 1 : at_east || !east_corner ? s->goes_on[NORTH][k] : 1;
     const float has_s = at_east ? 1 : at_west || east_corner ? s->goes_on[SOUTH][k] : 1;
-    return vertex_at_border(c, e, n, west, south, ne, sw, has_e, has_n, has_w, has_s);
+    return vertex_from(c, e, n, west, south, ne, sw, has_e, has_n, has_w, has_s);
 }
 
 LANE_INLINE void set_turn(wave_strip *s, size_t k, int axis, float x, float y, float z) {
@@ -252,12 +222,12 @@ LANE_INLINE void set_turn(wave_strip *s, size_t k, int axis, float x, float y, f
 }
 
 /* The normals of the triangle's vertices, interpolated by the hit's barycentric coordinates. */
-LANE_INLINE void barycentric(wave_strip *restrict s, bool border, bool turns) {
+LANE_INLINE void barycentric(wave_strip *restrict s, bool turns) {
     for (size_t k = 0; k < wave_whole(s->n); k++) {
         const int32_t lower = s->lower[k];
-        const vertex first = vertex_of(s, VERTEX_FIRST, k, border);
-        const vertex last = vertex_of(s, VERTEX_LAST, k, border);
-        const vertex third = vertex_of(s, VERTEX_THIRD, k, border);
+        const vertex first = vertex_of(s, VERTEX_FIRST, k);
+        const vertex last = vertex_of(s, VERTEX_LAST, k);
+        const vertex third = vertex_of(s, VERTEX_THIRD, k);
         const float u = s->u[k], v = s->v[k], a = 1 - u - v, b = lower ? v : u, c = lower ? u : v;
         s->normal[0][k] = a * first.x + b * last.x + c * third.x;
         s->normal[1][k] = a * first.y + b * last.y + c * third.y;
@@ -273,15 +243,13 @@ LANE_INLINE void barycentric(wave_strip *restrict s, bool border, bool turns) {
 }
 
 /* Normals for shading and, for mirrored spreads, how they turn. The constants pick the code that is compiled. */
-static void field_normals(wave *w, bool border, bool turns) {
+static void field_normals(wave *w, bool turns) {
     wave_strip *s = &w->strip;
     if (!w->plan->smooth) {
         memcpy(s->normal, s->flat, sizeof s->normal);
         if (turns) memset(s->turn, 0, sizeof s->turn);
-    } else if (border) {
-        turns ? barycentric(s, true, true) : barycentric(s, true, false);
     } else {
-        turns ? barycentric(s, false, true) : barycentric(s, false, false);
+        turns ? barycentric(s, true) : barycentric(s, false);
     }
 }
 

@@ -96,33 +96,11 @@ LANE_INLINE void pass_box(const plan_shape *shape, const moved *restrict m, uint
     for (int k = 0; k < WAVE_LANES; k++) passes[k] = (uint8_t)within[k];
 }
 
-/* Whether each way to a light, from t = 0 to 1, has both ends on the same side of the box: no division tells most of
- * those that do not pass. Rounding moves no sum across a border, so that the ends are where they seem. */
-LANE_INLINE bool all_beside_box(const plan_shape *shape, const moved *restrict m) {
-    int32_t beside[WAVE_LANES], all = 1;
-    for (int k = 0; k < WAVE_LANES; k++) beside[k] = 0;
-    for (int c = 0; c < 3; c++) {
-        const float low = shape->low[c], high = shape->high[c];
-        for (int k = 0; k < WAVE_LANES; k++) {
-            const float org = m->org[c][k], end = org + m->dir[c][k];
-            const float least = org < end ? org : end, most = org < end ? end : org;
-            beside[k] |= (most < low) | (least > high);
-        }
-    }
-    for (int k = 0; k < WAVE_LANES; k++) all &= beside[k];
-    return all != 0;
-}
-
-/* How many of WAVE_LANES pass, and whether any is not 0. */
+/* How many of WAVE_LANES pass. */
 LANE_INLINE size_t count_passes(const uint8_t *passes) {
     uint64_t half[2];
     memcpy(half, passes, sizeof half);
     return (size_t)((half[0] + half[1]) * 0x0101010101010101u >> 56);
-}
-LANE_INLINE bool any_of(const uint8_t *lanes) {
-    uint64_t half[2];
-    memcpy(half, lanes, sizeof half);
-    return (half[0] | half[1]) != 0;
 }
 
 /* The rays one after the other: eight arrays woven into one in three steps, for which there are vector instructions. */
@@ -201,30 +179,13 @@ static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
     w->tracer->closest(w->tracer->context, f, w->asked, asked, answers);
     wave_lap(w, WAVE_TRACE);
     w->stats.field_queries += asked;
-    for (size_t k = 0; k < asked;) {
+    for (size_t k = 0; k < asked; k++) {
         const size_t of = w->asked_of[k];
-        float *t = &w->t[of];
-        int32_t *shape = &w->shape[of];
-        uint32_t *hit = &w->hit[of];
-        if (asked - k >= WAVE_LANES && w->asked_of[k + WAVE_LANES - 1] - of == WAVE_LANES - 1) {
-            float found[WAVE_LANES];
-            for (int q = 0; q < WAVE_LANES; q++) found[q] = answers[k + (size_t)q].t;
-            for (int q = 0; q < WAVE_LANES; q++) {
-                const float before = t[q];
-                shape[q] = found[q] < before ? (int32_t)f : shape[q];
-                t[q] = found[q] < before ? found[q] : before;
-            }
-            for (uint32_t q = 0; q < WAVE_LANES; q++) hit[q] = shape[q] == (int32_t)f ? (uint32_t)k + q : hit[q];
-            k += WAVE_LANES;
-            continue;
-        }
         const float found = answers[k].t;
-        if (found < *t) {
-            *t = found;
-            *shape = (int32_t)f;
-            *hit = (uint32_t)k;
-        }
-        k++;
+        if (!(found < w->t[of])) continue;
+        w->t[of] = found;
+        w->shape[of] = (int32_t)f;
+        w->hit[of] = (uint32_t)k;
     }
 }
 
@@ -307,7 +268,6 @@ LANE_INLINE size_t ask_any(wave *w, const wave_shadows *s, const wave_segment *g
             asked = ask_all(w, asked, &m, first, rays);
             continue;
         }
-        if (!all && all_beside_box(&p->shapes[f], &m)) continue;
         uint8_t passes[WAVE_LANES];
         if (all)
             memset(passes, 1, sizeof passes);
@@ -336,11 +296,7 @@ static void hide_by_field(wave *w, const wave_shadows *s, size_t light, size_t f
     w->tracer->any(w->tracer->context, f, w->asked, asked, w->yes);
     wave_lap(w, WAVE_TRACE);
     w->stats.field_queries += asked;
-    /* Few lights are hidden. */
-    for (size_t k = 0; k < asked; k += WAVE_LANES) {
-        if (k + WAVE_LANES <= asked && !any_of(&w->yes[k])) continue;
-        for (size_t q = k; q < k + WAVE_LANES && q < asked; q++) w->hidden[w->asked_of[q]] |= w->yes[q] != 0;
-    }
+    for (size_t k = 0; k < asked; k++) w->hidden[w->asked_of[k]] |= w->yes[k] != 0;
 }
 
 /* Segments with both ends inside of a cylinder stay there. */
@@ -371,13 +327,6 @@ static void hide_by_cylinder(wave *w, const wave_shadows *s, size_t light, size_
     }
 }
 
-/* Whether these are pixels in a row. */
-LANE_INLINE bool in_row(const uint32_t *pixel) {
-    uint32_t other = 0;
-    for (uint32_t q = 0; q < WAVE_LANES; q++) other |= pixel[q] ^ (pixel[0] + q);
-    return other == 0;
-}
-
 /* Traces shadow rays to a light and adds the light that is not blocked. */
 static void trace_shadows(wave *w, size_t light) {
     wave_shadows *s = &w->shadows[light];
@@ -387,19 +336,8 @@ static void trace_shadows(wave *w, size_t light) {
     for (size_t f = 0; f < p->field_count; f++) hide_by_field(w, s, light, f);
     for (size_t c = p->field_count; c < p->shape_count; c++) hide_by_cylinder(w, s, light, c);
     wave_lap(w, WAVE_RAYS);
-    for (size_t k = 0; k < s->count;) {
-        if (s->count - k >= WAVE_LANES && in_row(&s->pixel[k]) && !any_of(&w->hidden[k])) {
-            for (int c = 0; c < 3; c++) {
-                const float *light_of = &s->light[c][k];
-                double *sum = &w->sum[c][s->pixel[k]];
-                for (int q = 0; q < WAVE_LANES; q++) sum[q] += (double)light_of[q];
-            }
-            k += WAVE_LANES;
-            continue;
-        }
+    for (size_t k = 0; k < s->count; k++)
         for (int c = 0; c < 3 && w->hidden[k] == 0; c++) w->sum[c][s->pixel[k]] += (double)s->light[c][k];
-        k++;
-    }
     wave_lap(w, WAVE_FILM);
     w->stats.shadow_rays += s->count;
 }
