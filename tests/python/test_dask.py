@@ -73,7 +73,7 @@ def test_blocks_of_chunks_that_are_not_aligned(file):
 
 
 def test_a_window_with_too_many_samples_to_count_is_refused():
-    reach = cwd._reach_of(cwd._plans.Site(300, 200, ((1, 0, 0, 0), (0, -1, 0, 0), (0, 0, 1, 0)), True, read_crs(None), None, b""))
+    reach = cwd._reach_of(cwd._Site(300, 200, ((1, 0, 0, 0), (0, -1, 0, 0), (0, 0, 1, 0)), True, read_crs(None), None, b""))
     for window in (0, 0, 2 ** 62, 2 ** 62), (299, 0, 2, 2), (-1, 0, 2, 2):
         with pytest.raises(ValueError, match="window: no part"):
             reach("grown", window)
@@ -83,7 +83,7 @@ def test_blocks_out_of_reach_are_not_looked_at():
     """The highest sample limits which blocks are looked at, and changes no window; too low a one does."""
     random = np.random.default_rng(3)
     place = ((10.0, 1, 0, 6e5), (0.5, -12, 0, 5e6), (0, 0, 1, 0))
-    reach = cwd._reach_of(cwd._plans.Site(40 * 256 + 9, 50 * 256 - 3, place, True, read_crs(None)._replace(unit=1.0), None, b""))
+    reach = cwd._reach_of(cwd._Site(40 * 256 + 9, 50 * 256 - 3, place, True, read_crs(None)._replace(unit=1.0), None, b""))
     low = random.uniform(0, 300, (41, 50)).astype(np.float32)
     high = low + random.uniform(0, 900, low.shape).astype(np.float32) * (random.random(low.shape) < 0.2)
     differ = 0
@@ -103,8 +103,8 @@ def test_blocks_out_of_reach_are_not_looked_at():
 def test_insolation(file, arguments):
     """Lower suns of a direction need more than higher ones: the chunk's window holds all that any of them needs."""
     same(compute(cwd.insolation(file, chunks=64, **arguments)), cw.open(file).insolation(**arguments))
-    plan = cwd._plans.insolation(cwd._Raster(file).site, None, None, "1h", 8, False, 3, 32, None, 7, [(2, 9), (359, 4), (50, 60), (3, -9)])
-    np.testing.assert_array_equal(cwd._plans.lowest_suns(plan), [[0, 4, 0, 7], [45, 60, 0, 7]])
+    plan = cwd.Plan("insolation", {"directions": 8, "curvature": 7}, "", {}, inputs=(np.array([(2, 9), (359, 4), (50, 60), (3, -9)], float),))
+    np.testing.assert_array_equal(cwd._lights_of(plan), [[0, 4, 0, 7], [45, 60, 0, 7]])
 
 
 def test_horizon_and_sky_view(file):

@@ -9,7 +9,7 @@ import pytest
 import cellwalk as cw
 
 
-@pytest.mark.parametrize("module", ["cellwalk", "cellwalk._field", "cellwalk._hits", "cellwalk._products"])
+@pytest.mark.parametrize("module", ["cellwalk", "cellwalk._field", "cellwalk._hits", "cellwalk._light", "cellwalk._sight"])
 def test_examples(module):
     result = doctest.testmod(importlib.import_module(module))
     assert result.failed == 0 and result.attempted > 2

@@ -265,7 +265,7 @@ def test_openness_of_a_cone_is_the_mean_of_horizons():
 def test_sun_days_are_those_of_the_raster(ground):
     """At samples, for the sun over the raster's middle."""
     f = ground.field
-    middle = (11, 47) if ground.path.suffix == ".npy" else cw._plans.locate(f._site, "date")[:2]
+    middle = (11, 47) if ground.path.suffix == ".npy" else f._locate("date")[:2]
     if ground.path.parent.name.startswith(("turned", "utm", "mercator")):
         middle = None  # the map's north counts too, and the sun stands over the place: the same but for a step
     hours = f.insolation("2024-03-20", "2024-03-21", step="5min", lon_lat=middle)

@@ -14,7 +14,7 @@ from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
 
-from . import _cellwalk
+from . import _cellwalk  # type: ignore[attr-defined]
 
 
 def progress_call(progress) -> Optional[Callable[[float], object]]:
@@ -72,6 +72,18 @@ def map_of_transform(transform) -> np.ndarray:
 
 def map_of_file(given: dict[str, Any]) -> np.ndarray:
     return np.frombuffer(given["map"]).reshape(3, 4).copy()
+
+
+class _Samples:
+    """Memory of the extension, for np.asarray."""
+
+    def __init__(self, given: dict[str, Any]) -> None:
+        address, self.holder = given["samples"]
+        self.__array_interface__ = {"version": 3, "shape": given["shape"], "typestr": np.dtype(np.float32).str, "data": (address, False)}
+
+
+def samples_of_file(given: dict[str, Any]) -> np.ndarray:
+    return np.asarray(_Samples(given))
 
 
 def line_of_coordinates(values, name: str) -> tuple[float, float]:

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
 
 import numpy as np
 
-from . import _cellwalk
-from ._convert import (IDENTITY, Crs, Source, coarser_like, count, finite, map_of_file, nodata_of, numbers, pool_of, progress_call,
-                       read_crs, read_source, samples_of, scale_of, warn_of_heights)
+from . import _cellwalk  # type: ignore[attr-defined]
+from ._convert import (Crs, Source, coarser_like, count, finite, map_of_file, nodata_of, numbers, pool_of, progress_call,
+                       read_crs, read_source, samples_of, samples_of_file, scale_of, warn_of_heights)
 from ._hits import Hits, _dtype
-from ._products import Products
+from ._light import Light
 from ._rays import rays_of
+from ._sight import Sight
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -57,7 +58,7 @@ def kernels() -> list[Kernel]:
     return [Kernel(*row) for row in _cellwalk.kernels()]
 
 
-class Field(Products):
+class Field(Light, Sight):
     """A height field: rows of samples, two triangles between each four of them.
 
     z            array of shape (rows, columns), at least 2 x 2; an xarray.DataArray with dimensions (y, x); or a rasterio
@@ -137,7 +138,7 @@ class Field(Products):
                     name = self._origin[0] if self._origin else "crs"
                     self._scale = scale_of(self._source, *self._samples.shape, name) or b""
                 if self._scale:
-                    self._core.scale(self._scale)
+                    self._call("scale", {}, (self._scale,), (), threads=1, core=self._core)
                 self._ready = True
         return self._core
 
@@ -372,7 +373,7 @@ def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None =
         text = re.sub(r"--(band|nodata|zscale)( (?=[-\d]))?", lambda found: found[1] + ("=" if found[2] else ""), sentence)
         warnings.warn(text, stacklevel=2)
     known = Crs(given["crs"][0], *given["crs"]) if crs is None else read_crs(crs)
-    samples = np.frombuffer(given["samples"], np.float32).reshape(given["shape"])
+    samples = samples_of_file(given)
     if min(samples.shape) < 2:
         raise ValueError(f"{path}: {samples.shape[0]} rows of {samples.shape[1]} samples, expected at least 2 of each")
     field = Field.__new__(Field)

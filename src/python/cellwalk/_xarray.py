@@ -3,6 +3,11 @@
 
 from __future__ import annotations
 
+import functools
+
+from ._light import Light
+from ._sight import Sight
+
 try:
     import xarray
 except ImportError:
@@ -27,18 +32,17 @@ class Accessor:
         return Field(self._array, **arguments)
 
 
-def _forward(name: str):
-    from ._products import Products
-
+def _forward(name: str, method):
+    @functools.wraps(method)
     def call(self, *arguments, **keywords):
         return getattr(self.field(), name)(*arguments, **keywords)
-
-    call.__name__, call.__doc__ = name, getattr(Products, name).__doc__
     return call
 
 
-for _name in ("shadow", "viewshed", "horizon", "sky_view", "openness", "visibility", "insolation", "sun_days", "line_of_sight", "profile", "horizon_at", "sites", "sun"):
-    setattr(Accessor, _name, _forward(_name))
+for _class in Light, Sight:
+    for _name, _method in vars(_class).items():
+        if not _name.startswith("_"):
+            setattr(Accessor, _name, _forward(_name, _method))
 
 if xarray is not None and not hasattr(xarray.DataArray, "cellwalk"):
     xarray.register_dataarray_accessor("cellwalk")(Accessor)

@@ -31,9 +31,12 @@ import dask
 import dask.array as da
 import numpy as np
 
-from . import _cellwalk, _plans
-from ._convert import Crs, Source, count, describe_dataarray, dress, finite, map_of_file, nodata_of, samples_of, scale_of
+from . import _cellwalk, _light  # type: ignore[attr-defined]
+from ._convert import Crs, Source, count, describe_dataarray, dress, finite, map_of_file, nodata_of, samples_of, samples_of_file, scale_of
 from ._field import Field, open as open_field
+from ._light import Light
+from ._plans import Plan, spots_of
+from ._sight import VIEWS, Sight, views_of
 
 # A task's samples, as they are read and as the field has them, and the field's bounds over them.
 _BYTES_A_SAMPLE = 10
@@ -59,19 +62,30 @@ class _Window(NamedTuple):
                 slice(self.column // size, -(-(self.column + self.columns) // size)))
 
 
+class _Site(NamedTuple):
+    """Where a raster lies, for workers."""
+    rows: int
+    columns: int
+    map: tuple
+    placed: bool
+    crs: Crs
+    nodata: Optional[float]
+    scale: bytes  # of the map; empty: it has none
+
+
 # ---- what runs in a worker --------------------------------------------------------------------------------------------------
 
 
-def _samples(part, g: _plans.Site, window: _Window) -> np.ndarray:
+def _samples(part, g: _Site, window: _Window) -> np.ndarray:
     """part is a path with a band, or the window's block of a chunked array."""
     if isinstance(part, tuple):
         path, band = part
         given = _cellwalk.read_raster(path, band, g.nodata, 0.0, 0.0, (window.column, window.row, window.columns, window.rows))
-        return np.frombuffer(given["samples"], np.float32).reshape(given["shape"])
+        return samples_of_file(given)
     return samples_of(part, g.nodata)
 
 
-def _field(part, g: _plans.Site, window: _Window, threads: int) -> Field:
+def _field(part, g: _Site, window: _Window, threads: int) -> Field:
     affine = np.array(g.map)
     whole = g.columns, g.rows, window.column, window.row, affine.copy()
     affine[:2, 3] += affine[:2, 0] * window.column + affine[:2, 1] * window.row
@@ -130,14 +144,14 @@ def _join(part, g, chunk, padded, nodata, views):
     return out.astype(np.uint8) if nodata == 255 else out
 
 
-def _reach_of(g: _plans.Site):
-    """A function that says how much of a raster matters to a part of it, by src/python/extension/pieces.c: all "beside" it within
+def _reach_of(g: _Site):
+    """A function that says how much of a raster matters to a part of it, by src/python/extension/products.c: all "beside" it within
     max_distance; "grown" to at least 2 rows and columns, which a field needs; the part "around" a place that a viewshed examines, without
     rows if there is none; "sunward" all that can throw a shadow on it."""
     raster = _cellwalk.Field(None, g.columns, g.rows, np.array(g.map), g.crs.geographic, not g.placed, g.crs.unit, g.crs.semi_major,
                              g.crs.inverse_flattening, None, None)
     if g.scale:
-        raster.scale(g.scale)
+        raster.make("scale", {}, (0, 0, 0, 0), (g.scale,), (), None, None)
 
     def ask(what: str, window=(0, 0, 0, 0), inputs=(), **numbers: float) -> _Window:
         out = np.empty(4)
@@ -149,8 +163,31 @@ def _reach_of(g: _plans.Site):
 # ---- the graph --------------------------------------------------------------------------------------------------------------
 
 
-class _Raster:
-    """A source, cut into chunks."""
+# Of a chunk's results and what they are made of, for each sample: sums in double, of insolation also the sky's light, of visibility the
+# turned land and its bounds.
+_BYTES = {"sunlight_hours": 12, "sunlight": 12, "irradiance": 16, "openness": 12, "visibility": 16}
+
+
+def _lights_of(plan: Plan) -> Optional[np.ndarray]:
+    """The lights by which the plan's shadows are cast, of each direction the lowest: azimuth, altitude, radius and curvature. None: the
+    plan's halo is a distance."""
+    if plan.make == "shadow":
+        return np.array([[plan.numbers[name] for name in ("azimuth", "altitude", "disc", "curvature")]])
+    if plan.make != "insolation" or plan.lead:
+        return None
+    suns, n = plan.inputs[0][plan.inputs[0][:, 1] > 0], plan.numbers["directions"]
+    azimuths = np.fmod(np.fmod(suns[:, 0], 360) + 360, 360)
+    if n:
+        azimuths = 360 * (np.rint(azimuths / 360 * n) % n) / n
+    azimuths, of = np.unique(azimuths, return_inverse=True)
+    lowest = np.full(len(azimuths), 90.0)
+    np.minimum.at(lowest, of, suns[:, 1])
+    lights = np.stack([azimuths, lowest, 0 * lowest, np.full(len(lowest), plan.numbers["curvature"])], -1)
+    return lights if len(lights) else np.array([[0.0, 90, 0, 0]])
+
+
+class _Raster(Light, Sight):
+    """A source, cut into chunks, whose products are those of a field, but lazy."""
 
     def __init__(self, source, chunks=None, threads=1, nodata=None, crs=None, band=None, memory=2e9) -> None:
         self.threads = count(threads, "threads", 0, 4096)
@@ -175,7 +212,8 @@ class _Raster:
             raise TypeError(f"source: {type(source).__name__}, expected a path or a DataArray")
         if min(rows, columns) < 2:
             raise ValueError(f"source: {rows} rows of {columns} samples, expected at least 2 of each")
-        self.site = g = _plans.Site(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata,
+        self._source, self.shape = about, (rows, columns)
+        self.site = g = _Site(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata,
                                     scale_of(about, rows, columns, self.path or "crs") or b"")
         self.reach = _reach_of(g)
         try:
@@ -222,28 +260,23 @@ class _Raster:
             np.maximum(high[here], most, out=high[here])
         return low, high
 
-    def make(self, plan: _plans.Plan, around, what: str, chunk_bytes: int = 0) -> Any:
-        """The plan's product, of which each chunk is made from the window that around finds for it."""
-        windows = [[around(w) for w in row] for row in self.windows]
-        self.check_memory(what, [pair for rows in zip(windows, self.windows) for pair in zip(*rows)],
-                          chunk_bytes or 4 * (len(plan.lead[1]) if plan.lead else 1))
+    def _product(self, plan: Plan, progress=None) -> Any:
+        """The plan's product, of which each chunk is made from the window that matters to it."""
+        distance, lights = plan.numbers.get("max_distance", 0), _lights_of(plan)
+        if lights is not None:
+            low, high = self.block_ranges()
+            highest = float(high.max())
+            windows = [[self.reach("sunward", w, (low, high, lights), highest=highest) for w in row] for row in self.windows]
+            what = f"altitude: {lights[:, 1].min()}"
+        else:
+            windows = [[self.reach("beside", w, max_distance=distance) for w in row] for row in self.windows]
+            what = f"max_distance: {f'{distance:g}' if distance else 'None, so far mountains may count'}"
+        planes = len(plan.lead[1]) if plan.lead else 1
+        self.check_memory(what, [pair for rows in zip(windows, self.windows) for pair in zip(*rows)], _BYTES.get(plan.name, 4 * planes))
         task = self.delayed(_make)
         blocks = [[task(self.part(window), self.site, window, chunk, plan, self.threads) for window, chunk in zip(*rows)]
                   for rows in zip(windows, self.windows)]
         return self.result(blocks, plan.dtype, plan.name, plan.attrs, plan.lead)
-
-    def make_sunward(self, plan: _plans.Plan, lights: np.ndarray, chunk_bytes: int = 0) -> Any:
-        """The same from all that can throw a shadow on a chunk: azimuth, altitude, radius and curvature of each light."""
-        low, high = self.block_ranges()
-        highest = float(high.max())
-        return self.make(plan, lambda w: self.reach("sunward", w, (low, high, lights), highest=highest), f"altitude: {lights[:, 1].min()}", chunk_bytes)
-
-    def make_around(self, plan: _plans.Plan, chunk_bytes: int = 0) -> Any:
-        """The same from all within max_distance of a chunk."""
-        distance, g = plan.numbers.get("max_distance", 0), self.site
-        if distance > 0:
-            return self.make(plan, lambda w: self.reach("beside", w, max_distance=distance), f"max_distance: {distance:g}", chunk_bytes)
-        return self.make(plan, lambda w: _Window(0, 0, g.rows, g.columns), "max_distance: None, so far mountains may count", chunk_bytes)
 
     def result(self, blocks, dtype, name, attrs, lead=None):
         """Blocks of tasks, row by row, as one array, and as a DataArray if the source is one."""
@@ -273,62 +306,54 @@ class _Reading(TypedDict, total=False):
     memory: float
 
 
-def shadow(source: Any, azimuth: float | None = None, altitude: float | None = None, *, time: _plans.Time | None = None,
+def shadow(source: Any, azimuth: float | None = None, altitude: float | None = None, *, time: _light.Time | None = None,
            hillshade: bool = False, disc: float | bool = 0, curvature: float = 0.0, **reading: Unpack[_Reading]) -> Any:
     """Sun and shadow on every sample, as Field.shadow. One pass over the raster is made at once; the rest is lazy."""
-    r = _Raster(source, **reading)
-    plan = _plans.shadow(r.site, azimuth, altitude, time, hillshade, disc, curvature)
-    light = [plan.numbers[name] for name in ("azimuth", "altitude", "disc", "curvature")]
-    return r.make_sunward(plan, np.array([light]))
+    return _Raster(source, **reading).shadow(azimuth, altitude, time=time, hillshade=hillshade, disc=disc, curvature=curvature)
 
 
-def insolation(source: Any, date: _plans.Day | None = None, to: _plans.Day | None = None, *, suns: Any = None, step: Any = "15min",
+def insolation(source: Any, date: _light.Day | None = None, to: _light.Day | None = None, *, suns: Any = None, step: Any = "15min",
                directions: int | None = None, irradiance: bool = False, linke: float = 3.0, sky: int = 32,
                lon_lat: tuple[float, float] | None = None, curvature: float = 0.0, **reading: Unpack[_Reading]) -> Any:
     """Hours of sunlight over days, or its energy, as Field.insolation. One pass over the raster is made at once; diffuse light depends
     on all of the raster, as sky_view does."""
-    r = _Raster(source, **reading)
-    plan = _plans.insolation(r.site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature, suns)
-    return r.make_around(plan, 16) if plan.lead else r.make_sunward(plan, _plans.lowest_suns(plan), 12)
+    return _Raster(source, **reading).insolation(date, to, suns=suns, step=step, directions=directions, irradiance=irradiance, linke=linke,
+                                                 sky=sky, lon_lat=lon_lat, curvature=curvature)
 
 
 def horizon(source: Any, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
             distance: bool = False, **reading: Unpack[_Reading]) -> Any:
     """The horizon's angle in directions all round, or its distance, as Field.horizon."""
-    r = _Raster(source, **reading)
-    return r.make_around(_plans.horizon(r.site, directions, max_distance, start, curvature, distance))
+    return _Raster(source, **reading).horizon(directions, max_distance, start=start, curvature=curvature, distance=distance)
 
 
 def sky_view(source: Any, directions: int = 32, max_distance: float | None = None, *, curvature: float = 0.0, tilted: bool = False,
              **reading: Unpack[_Reading]) -> Any:
     """The share of the sky, as Field.sky_view."""
-    r = _Raster(source, **reading)
-    return r.make_around(_plans.sky_view(r.site, directions, max_distance, curvature, tilted))
+    return _Raster(source, **reading).sky_view(directions, max_distance, curvature=curvature, tilted=tilted)
 
 
 def openness(source: Any, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
              negative: bool = False, **reading: Unpack[_Reading]) -> Any:
     """How open the land is, as Field.openness."""
-    r = _Raster(source, **reading)
-    return r.make_around(_plans.openness(r.site, directions, max_distance, start, curvature, negative), 12)
+    return _Raster(source, **reading).openness(directions, max_distance, start=start, curvature=curvature, negative=negative)
 
 
 def visibility(source: Any, directions: int = 128, max_distance: float | None = None, *, observer_height: float = 2.0,
                target_height: float = 0.0, curvature: float | None = None, result: str = "area", **reading: Unpack[_Reading]) -> Any:
     """How much of the ground every sample sees, as Field.visibility."""
-    r = _Raster(source, **reading)
-    plan = _plans.visibility(r.site, directions, max_distance, observer_height, target_height, curvature, 1, result)
-    return r.make_around(plan, 16)  # the turned land and its bounds beside the field; sums in double and answers for the chunk
+    return _Raster(source, **reading).visibility(directions, max_distance, observer_height=observer_height, target_height=target_height,
+                                                 curvature=curvature, result=result)
 
 
 def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_height: float = 0.0, max_distance: float | None = None,
              needed: bool = False, *, observer_elevation: Any = None, curvature: float | None = None, min_distance: float = 0.0,
              azimuth: tuple[float, float] | None = None, vertical: tuple[float, float] | None = None, **reading: Unpack[_Reading]) -> Any:
     """Which samples are seen, as Field.viewshed. Observers are looked from one by one, each in its window of max_distance."""
-    places = _plans.spots_of(x, y, observer_height, observer_elevation)
+    places = spots_of(x, y, observer_height, observer_elevation)
     r = _Raster(source, **reading)
     g = r.site
-    limits = _plans.limits_of(g, target_height, max_distance, min_distance, azimuth, vertical, curvature)
+    limits = r._limits(target_height, max_distance, min_distance, azimuth, vertical, curvature)
     kind, distance = "needed" if needed else "seen", limits["max_distance"]
     if needed and len(places) > 1:
         raise ValueError(f"needed: that of one observer, not of {len(places)}")
@@ -338,13 +363,13 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
         if window.rows:
             window = r.reach("grown", window)
             r.check_memory("max_distance", [(window, window)])
-            views.append((window, task(r.part(window), g, window, _plans.viewshed(place[None], limits, kind, False), r.threads)))
+            views.append((window, task(r.part(window), g, window, views_of(place[None], limits, kind), r.threads)))
 
     def near(w):
         return [(v, s) for v, s in views if v.row < w.row + w.rows and w.row < v.row + v.rows
                 and v.column < w.column + w.columns and w.column < v.column + v.columns]
     nodata_out = np.float32(np.nan) if needed else np.uint8(255) if len(places) <= 254 else np.uint16(65535)
-    name, attrs = _plans.VIEWS[kind]
+    name, attrs = VIEWS[kind]
     join, padded = r.delayed(_join), [[r.reach("grown", w) for w in row] for row in r.windows]
     blocks = [[join(None if needed else r.part(p), g, w, p, nodata_out, near(w)) for w, p in zip(*rows)] for rows in zip(r.windows, padded)]
     return r.result(blocks, nodata_out.dtype, name, attrs if needed else {**attrs, "_FillValue": nodata_out})

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "call.h"
+#include "extension.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -21,18 +21,33 @@ typedef struct entry {
 } entry;
 
 static const entry products[] = {
-    {"closest", make_closest, SAMPLES},   {"occluded", make_occluded, SAMPLES},
-    {"at", make_heights, SAMPLES},        {"points", make_points, SAMPLES},
-    {"normals", make_points, SAMPLES},    {"coarser", make_coarser, SAMPLES},
-    {"block", make_update, ALL},          {"horizon", make_horizon, TERRAIN},
-    {"shadow", make_shadow, TERRAIN},     {"insolation", make_insolation, TERRAIN},
-    {"sky_view", make_sky, TERRAIN},      {"visibility", make_visibility, TERRAIN},
-    {"found", make_found, TERRAIN},       {"along", make_along, TERRAIN},
-    {"viewshed", make_viewshed, TERRAIN}, {"line_of_sight", make_lines, TERRAIN},
-    {"profile", make_profile, TERRAIN},   {"openness", make_openness, TERRAIN},
-    {"sun_days", make_sun_days, TERRAIN}, {"place_horizon", make_place_horizons, TERRAIN},
-    {"beside", make_beside, MAP},         {"grown", make_grown, MAP},
-    {"around", make_around, MAP},         {"sunward", make_sunward, MAP},
+    {"closest", make_closest, SAMPLES},
+    {"occluded", make_occluded, SAMPLES},
+    {"at", make_heights, SAMPLES},
+    {"points", make_points, SAMPLES},
+    {"normals", make_points, SAMPLES},
+    {"coarser", make_coarser, SAMPLES},
+    {"block", make_update, ALL},
+    {"horizon", make_horizon, TERRAIN},
+    {"shadow", make_shadow, TERRAIN},
+    {"insolation", make_insolation, TERRAIN},
+    {"sky_view", make_sky, TERRAIN},
+    {"visibility", make_visibility, TERRAIN},
+    {"found", make_found, TERRAIN},
+    {"along", make_along, TERRAIN},
+    {"viewshed", make_viewshed, TERRAIN},
+    {"line_of_sight", make_lines, TERRAIN},
+    {"profile", make_profile, TERRAIN},
+    {"openness", make_openness, TERRAIN},
+    {"sun_days", make_sun_days, TERRAIN},
+    {"place_horizon", make_place_horizons, TERRAIN},
+    {"beside", make_reach, MAP},
+    {"sunward", make_reach, MAP},
+    {"around", make_around, MAP},
+    {"grown", make_grown, MAP},
+    {"suns", make_suns, MAP},
+    {"crs", make_place, MAP},
+    {"scale", make_scale, MAP},
 };
 
 #define NAME(number) #number,
@@ -149,9 +164,9 @@ PyObject *field_make(PyObject *self, PyObject *arguments) {
     const char *name, *kernel = NULL;
     PyObject *given, *inputs, *outputs, *pool, *progress;
     Py_ssize_t window[4];
-    if (!PyArg_ParseTuple(arguments, "sO!(nnnn)O!O!OO|z:make", &name, &PyDict_Type, &given, &window[0], &window[1],
+    if (!PyArg_ParseTuple(arguments, "sO!(nnnn)O!O!OO|zz:make", &name, &PyDict_Type, &given, &window[0], &window[1],
                           &window[2], &window[3], &PyTuple_Type, &inputs, &PyTuple_Type, &outputs, &pool, &progress,
-                          &kernel))
+                          &kernel, &c.text))
         return NULL;
     forget_other_process(c.field);
     const entry *e = find_product(name);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "call.h"
+#include "extension.h"
 
 #include "cellwalk_terrain.h"
 
 #include <math.h>
 #include <string.h>
 
-bool buffer_holds(const Py_buffer *buffer, size_t bytes, const char *name) {
+static bool buffer_holds(const Py_buffer *buffer, size_t bytes, const char *name) {
     if (buffer->len >= 0 && (size_t)buffer->len >= bytes) return true;
     PyErr_Format(PyExc_ValueError, "%s: a buffer of %zd bytes, where %zu are needed", name, buffer->len, bytes);
     return false;
@@ -171,16 +171,15 @@ cw_status make_coarser(call *c) {
     return out ? CW_OK : CW_ERROR_ARGUMENT;
 }
 
-/* scale(nodes): how long the map's unit is on the ground, as find_scale has it. Before the first product. */
-static PyObject *field_scale(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    Py_buffer nodes = {0};
-    if (!PyArg_ParseTuple(arguments, "y*:scale", &nodes)) return NULL;
-    const bool good = buffer_copy(&nodes, &f->scale, sizeof f->scale, "scale");
-    if (good && !f->terrain.geographic) f->terrain.scale = f->whole.scale = &f->scale;
-    PyBuffer_Release(&nodes);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
+/* Input: how long the map's unit is on the ground, as find_scale has it. Before the first product. */
+cw_status make_scale(call *c) {
+    py_field *f = c->field;
+    size_t n;
+    const map_scale *given = call_input(c, 0, sizeof *given, &n);
+    if (n == 0) return call_fail(c, "scale: too few bytes");
+    f->scale = *given;
+    if (!f->terrain.geographic) f->terrain.scale = f->whole.scale = &f->scale;
+    return CW_OK;
 }
 
 /* describe() -> lowest and highest sample, number of holes */
@@ -193,7 +192,6 @@ static PyObject *field_describe(PyObject *self, PyObject *unused) {
 
 static PyMethodDef methods[] = {
     {"describe", field_describe, METH_NOARGS, NULL},
-    {"scale", field_scale, METH_VARARGS, NULL},
     {"make", field_make, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},
 };

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The extension module cellwalk._cellwalk, in Python's limited interface of 3.11: one file serves all later versions, and
  * arrays come and go by the buffer protocol, without NumPy's headers. */
-#include "cellwalk_expert.h"
 #include "extension.h"
 #include "reach.h"
 #include "sun.h"
-#include "work.h"
 
-#include <math.h>
 #include <stddef.h>
 
 static PyObject *list_kernels(PyObject *self, PyObject *unused) {
@@ -24,26 +21,6 @@ static PyObject *list_kernels(PyObject *self, PyObject *unused) {
     return list;
 }
 
-/* suns(seconds, longitude, latitude, turned, out): a place of the sun for each of the times, azimuths from the map's north, which is
- * turned by that from the true one toward the west. */
-static PyObject *suns(PyObject *self, PyObject *arguments) {
-    Py_buffer times = {0}, out = {0};
-    double longitude, latitude, turned;
-    (void)self;
-    if (!PyArg_ParseTuple(arguments, "y*dddw*:suns", &times, &longitude, &latitude, &turned, &out)) return NULL;
-    const size_t count = (size_t)times.len / sizeof(double);
-    const bool good = buffer_holds(&out, count * sizeof(sun_position), "out");
-    for (size_t k = 0; k < count && good; k++) {
-        sun_position p = cw_sun_at(((const double *)times.buf)[k], longitude, latitude);
-        p.azimuth = fmod(p.azimuth + turned + 360, 360);
-        ((sun_position *)out.buf)[k] = p;
-    }
-    PyBuffer_Release(&times);
-    PyBuffer_Release(&out);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
-}
-
 /* The clock of `--time`: None if the text is none. */
 static PyObject *parse_time(PyObject *self, PyObject *arguments) {
     const char *text;
@@ -56,11 +33,9 @@ static PyObject *parse_time(PyObject *self, PyObject *arguments) {
 
 static PyMethodDef functions[] = {
     {"kernels", list_kernels, METH_NOARGS, NULL},
-    {"suns", suns, METH_VARARGS, NULL},
     {"parse_time", parse_time, METH_VARARGS, NULL},
     {"describe_crs", describe_crs, METH_VARARGS, NULL},
     {"make_pool", make_pool, METH_VARARGS, NULL},
-    {"locate", locate, METH_VARARGS, NULL},
     {"read_raster", read_raster, METH_VARARGS, NULL},
     {"find_scale", find_scale, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},
@@ -84,8 +59,7 @@ static int fill(PyObject *module) {
         PyErr_SetString(PyExc_ImportError, "cellwalk does not run in sub-interpreters: use threads or processes");
         return -1;
     }
-    if (add_type(module, &py_field_spec, "Field") != 0 || add_type(module, &py_raster_spec, "Raster") != 0 ||
-        add_type(module, &py_geotiff_spec, "GeoTiff") != 0 ||
+    if (add_type(module, &py_field_spec, "Field") != 0 || add_type(module, &py_geotiff_spec, "GeoTiff") != 0 ||
         PyModule_AddIntConstant(module, "BLOCK", REACH_BLOCK) != 0)
         return -1;
     return PyModule_AddStringConstant(module, "version", cw_version());

@@ -5,49 +5,20 @@
 #include "raster.h"
 #include "scale.h"
 #include "sun_place.h"
-#include "work.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-typedef struct py_raster {
-    PyObject_HEAD io_raster raster;
-} py_raster;
-
-static int get_buffer(PyObject *self, Py_buffer *view, int flags) {
-    const io_raster *r = &((py_raster *)self)->raster;
-    return PyBuffer_FillInfo(view, self, r->memory, (Py_ssize_t)(r->nx * r->ny * sizeof(float)), 0, flags);
-}
-
-static void dealloc(PyObject *self) {
-    PyTypeObject *type = Py_TYPE(self);
-    io_raster_free(&((py_raster *)self)->raster);
-    PyObject_Free(self);
-    Py_DECREF(type);
-}
-
-static PyType_Slot slots[] = {
-    {Py_bf_getbuffer, (void *)get_buffer},
-    {Py_tp_dealloc, (void *)dealloc},
-    {0, NULL},
-};
-
-PyType_Spec py_raster_spec = {
-    .name = "cellwalk._cellwalk.Raster",
-    .basicsize = sizeof(py_raster),
-    .flags = Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION,
-    .slots = slots,
-};
-
-static pthread_mutex_t door = PTHREAD_MUTEX_INITIALIZER;
+pthread_mutex_t raster_door = PTHREAD_MUTEX_INITIALIZER;
 
 PyThreadState *raster_enter(void) {
     PyThreadState *state = PyEval_SaveThread();
-    pthread_mutex_lock(&door);
+    pthread_mutex_lock(&raster_door);
     return state;
 }
 
 void raster_leave(PyThreadState *state) {
-    pthread_mutex_unlock(&door);
+    pthread_mutex_unlock(&raster_door);
     PyEval_RestoreThread(state);
 }
 
@@ -72,31 +43,42 @@ static PyObject *crs_of(const io_georef *g) {
                          g->inverse_flattening);
 }
 
-static PyObject *describe(io_raster *raster, PyObject *module, PyObject *warnings) {
-    PyObject *type = PyObject_GetAttrString(module, "Raster");
-    if (type == NULL) return NULL;
-    py_raster *r = (py_raster *)PyType_GenericAlloc((PyTypeObject *)type, 0);
-    Py_DECREF(type);
-    if (r == NULL) return NULL;
-    r->raster = *raster;
-    *raster = (io_raster){0};
-    const io_georef *g = &r->raster.georef;
+static const char raster_name[] = "io_raster";
+
+static void destroy_raster(PyObject *capsule) {
+    io_raster *r = PyCapsule_GetPointer(capsule, raster_name);
+    io_raster_free(r);
+    free(r);
+}
+
+/* samples: where they are, and what holds them. */
+static PyObject *describe(io_raster *raster, PyObject *warnings) {
+    io_raster *r = malloc(sizeof *r);
+    PyObject *holder = r ? PyCapsule_New(r, raster_name, destroy_raster) : PyErr_NoMemory();
+    if (holder == NULL) {
+        io_raster_free(raster);
+        free(r);
+        return NULL;
+    }
+    *r = *raster;
+    const io_georef *g = &r->georef;
     PyObject *nodata = g->has_nodata ? PyFloat_FromDouble(g->nodata) : Py_NewRef(Py_None);
-    return Py_BuildValue("{s:N,s:(nn),s:y#,s:N,s:N,s:N,s:O}", "samples", (PyObject *)r, "shape",
-                         (Py_ssize_t)r->raster.ny, (Py_ssize_t)r->raster.nx, "map", (const char *)r->raster.map,
-                         (Py_ssize_t)sizeof r->raster.map, "placed", PyBool_FromLong(g->placed), "crs", crs_of(g),
-                         "nodata", nodata, "warnings", warnings);
+    return Py_BuildValue("{s:(NN),s:(nn),s:y#,s:N,s:N,s:N,s:O}", "samples", PyLong_FromVoidPtr(r->memory), holder,
+                         "shape", (Py_ssize_t)r->ny, (Py_ssize_t)r->nx, "map", (const char *)r->map,
+                         (Py_ssize_t)sizeof r->map, "placed", PyBool_FromLong(g->placed), "crs", crs_of(g), "nodata",
+                         nodata, "warnings", warnings);
 }
 
 PyObject *read_raster(PyObject *self, PyObject *arguments) {
     const char *path;
-    Py_ssize_t column = 0, row = 0, columns = 0, rows = 0;
+    Py_ssize_t w[4] = {0}; /* column, row, columns, rows */
     PyObject *window = Py_None, *nodata = Py_None, *progress = Py_None;
     io_raster_options o = {0};
     double no_data;
+    (void)self;
     if (!PyArg_ParseTuple(arguments, "sI|OddOO:read_raster", &path, &o.band, &nodata, &o.cellsize, &o.zscale, &window,
                           &progress) ||
-        (window != Py_None && !PyArg_ParseTuple(window, "nnnn:window", &column, &row, &columns, &rows)))
+        (window != Py_None && !PyArg_ParseTuple(window, "nnnn:window", &w[0], &w[1], &w[2], &w[3])))
         return NULL;
     o.no_samples = window == Py_None;
     if (nodata != Py_None) {
@@ -105,10 +87,10 @@ PyObject *read_raster(PyObject *self, PyObject *arguments) {
         o.nodata_count = 1;
         if (PyErr_Occurred()) return NULL;
     }
-    o.window.i = (size_t)column;
-    o.window.j = (size_t)row;
-    o.window.nx = (size_t)columns;
-    o.window.ny = (size_t)rows;
+    o.window.i = (size_t)w[0];
+    o.window.j = (size_t)w[1];
+    o.window.nx = (size_t)w[2];
+    o.window.ny = (size_t)w[3];
     reading r = {.warnings = PyList_New(0)};
     o.warn = note_warning;
     o.progress = tell;
@@ -117,15 +99,15 @@ PyObject *read_raster(PyObject *self, PyObject *arguments) {
     io_error error = {""};
     PyObject *answer = NULL;
     if (r.warnings != NULL && work_begin(&r.work, Py_None, NULL, progress)) {
-        pthread_mutex_lock(&door);
+        pthread_mutex_lock(&raster_door);
         const bool good = io_raster_read(path, &o, &raster, &error);
-        pthread_mutex_unlock(&door);
+        pthread_mutex_unlock(&raster_door);
         if (!work_end(&r.work, CW_OK, path)) {
             if (good) io_raster_free(&raster);
         } else if (!good) {
             PyErr_SetString(PyExc_OSError, error.text);
         } else {
-            answer = describe(&raster, self, r.warnings);
+            answer = describe(&raster, r.warnings);
         }
     }
     Py_XDECREF(r.warnings);
@@ -147,11 +129,11 @@ PyObject *find_scale(PyObject *self, PyObject *arguments) {
     PyObject *nodes = NULL;
     reading r = {.warnings = PyList_New(0)};
     if (r.warnings != NULL && work_begin(&r.work, Py_None, NULL, Py_None)) {
-        pthread_mutex_lock(&door);
+        pthread_mutex_lock(&raster_door);
         georef.placed = io_georef_from_wkt(&georef, wkt);
         good = rows >= 2 && columns >= 2 &&
                io_scale_find(&georef, map, (size_t)columns, (size_t)rows, name, note_warning, &r, &scale);
-        pthread_mutex_unlock(&door);
+        pthread_mutex_unlock(&raster_door);
         io_georef_free(&georef);
         if (work_end(&r.work, CW_OK, "crs"))
             nodes = good ? PyBytes_FromStringAndSize((const char *)&scale, sizeof scale) : Py_NewRef(Py_None);
@@ -171,21 +153,17 @@ PyObject *describe_crs(PyObject *self, PyObject *arguments) {
     return answer;
 }
 
-PyObject *locate(PyObject *self, PyObject *arguments) {
-    const char *wkt;
-    double xy[2];
+/* Of a place of a projected map: longitude, latitude, and how far the map's north is turned there from the true one. */
+cw_status make_place(call *c) {
+    const double xy[2] = {c->n.x, c->n.y};
     io_georef g = {0};
     io_error error = {""};
-    sun_place p;
-    (void)self;
-    if (!PyArg_ParseTuple(arguments, "sdd:locate", &wkt, &xy[0], &xy[1])) return NULL;
-    PyThreadState *state = raster_enter();
-    io_georef_from_wkt(&g, wkt);
-    const terrain t = {0};
-    const bool good = sun_place_of(&t, &g, xy, "crs", NULL, &p, &error);
-    raster_leave(state);
+    sun_place *out = call_output(c, 0, sizeof *out);
+    if (out == NULL || c->text == NULL) return CW_ERROR_ARGUMENT;
+    pthread_mutex_lock(&raster_door);
+    io_georef_from_wkt(&g, c->text);
+    const bool good = sun_place_of(&(terrain){0}, &g, xy, "crs", NULL, out, &error);
+    pthread_mutex_unlock(&raster_door);
     io_georef_free(&g);
-    if (good) return Py_BuildValue("(ddd)", p.longitude, p.latitude, p.turned);
-    PyErr_SetString(PyExc_ValueError, error.text);
-    return NULL;
+    return good ? CW_OK : call_fail(c, "%s", error.text);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays from arrays of any layout; points and normals of hits. */
-#include "call.h"
+#include "extension.h"
 
 #include <math.h>
 #include <string.h>
@@ -29,36 +29,13 @@ static inline const char *operand(const tracing *t, int which, size_t k) {
     return t->at[which] + (Py_ssize_t)k * t->step[which];
 }
 
-static inline double number(const tracing *t, int which, size_t k, size_t component) {
-    const char *at = operand(t, which, k);
-    if (t->wide) {
-        double x;
-        memcpy(&x, at + component * sizeof x, sizeof x);
-        return x;
-    }
-    float x;
-    memcpy(&x, at + component * sizeof x, sizeof x);
-    return (double)x;
-}
-
-static void gather(const tracing *t, size_t begin, size_t count, cw_user_ray *to) {
-    for (size_t k = 0; k < count; k++)
-        for (size_t c = 0; c < 3; c++) {
-            to[k].org[c] = number(t, ORIGIN, begin + k, c);
-            to[k].dir[c] = number(t, DIRECTION, begin + k, c);
-        }
-    for (size_t k = 0; k < count; k++) {
-        to[k].tmin = number(t, TMIN, begin + k, 0);
-        to[k].tmax = number(t, TMAX, begin + k, 0);
-    }
-}
-
-static void gather_floats(const tracing *t, size_t begin, size_t count, cw_ray *to) {
-    for (size_t k = 0; k < count; k++) {
-        memcpy(to[k].org, operand(t, ORIGIN, begin + k), sizeof to[k].org);
-        memcpy(to[k].dir, operand(t, DIRECTION, begin + k), sizeof to[k].dir);
-        memcpy(&to[k].tmin, operand(t, TMIN, begin + k), sizeof to[k].tmin);
-        memcpy(&to[k].tmax, operand(t, TMAX, begin + k), sizeof to[k].tmax);
+/* count rays of eight numbers of so many bytes, a constant, as cw_ray and cw_user_ray have them. */
+static inline void gather(const tracing *t, size_t begin, size_t count, size_t size, char *to) {
+    for (size_t k = 0; k < count; k++, to += 8 * size) {
+        memcpy(to, operand(t, ORIGIN, begin + k), 3 * size);
+        memcpy(to + 3 * size, operand(t, TMIN, begin + k), size);
+        memcpy(to + 4 * size, operand(t, DIRECTION, begin + k), 3 * size);
+        memcpy(to + 7 * size, operand(t, TMAX, begin + k), size);
     }
 }
 
@@ -73,14 +50,16 @@ static cw_status trace_rays(const tracing *t, const cw_run *run, const void *ray
 
 static void trace_blocks(void *context, size_t begin, size_t end) {
     tracing *t = context;
-    union {
-        cw_user_ray user[BLOCK];
-        cw_ray floats[BLOCK];
-    } rays;
+    double user[8 * BLOCK];
+    float own[8 * BLOCK];
     while (begin < end) {
         const size_t count = end - begin < BLOCK ? end - begin : BLOCK;
-        t->user ? gather(t, begin, count, rays.user) : gather_floats(t, begin, count, rays.floats);
-        const cw_status status = trace_rays(t, &t->run, &rays, begin, count);
+        if (t->wide)
+            gather(t, begin, count, sizeof *user, (char *)user);
+        else
+            gather(t, begin, count, sizeof *own, (char *)own);
+        for (size_t k = 0; k < 8 * count && t->user && !t->wide; k++) user[k] = (double)own[k];
+        const cw_status status = trace_rays(t, &t->run, t->user ? (void *)user : (void *)own, begin, count);
         if (status != CW_OK) atomic_store(&t->status, (int)status);
         const size_t done = atomic_fetch_add(&t->done, count) + count;
         if (!work_watch(t->work, (double)done / (double)t->n)) return;

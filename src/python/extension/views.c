@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Products of places of the map: viewsheds, lines of sight, horizons. */
-#include "call.h"
+#include "extension.h"
 #include "line.h"
 #include "observers.h"
 #include "place_sky.h"

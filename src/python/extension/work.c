@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "work.h"
-
-#include "cellwalk_expert.h"
 #include "clock.h"
+#include "extension.h"
 
 #include <string.h>
 
@@ -10,12 +8,12 @@
 static const double look_after = 0.05;
 
 /* The exception for a status, with the library's message of the last failure on this thread. */
-static void raise_status(cw_status status, const char *call) {
+static void raise_status(cw_status status, const char *name) {
     PyObject *kind = status == CW_ERROR_MEMORY ? PyExc_MemoryError
                      : status == CW_ERROR_BUSY ? PyExc_RuntimeError
                                                : PyExc_ValueError;
     const char *detail = cw_last_error();
-    PyErr_Format(kind, "%s: %s", call, detail[0] ? detail : cw_status_message(status));
+    PyErr_Format(kind, "%s: %s", name, detail[0] ? detail : cw_status_message(status));
 }
 
 static const char pool_name[] = "cw_pool";
@@ -83,11 +81,11 @@ bool work_part(work *w, double begin, double share) {
     return work_watch(w, 0);
 }
 
-bool work_end(work *w, cw_status status, const char *call) {
+bool work_end(work *w, cw_status status, const char *name) {
     PyEval_RestoreThread(w->state);
     if (atomic_load(&w->stopped)) return false;
     if (status != CW_OK) {
-        raise_status(status, call);
+        raise_status(status, name);
         return false;
     }
     if (w->progress == NULL) return true;
