@@ -42,9 +42,20 @@ void ground_set_window(ground *g, cw_rectangle window) {
     map_of(g, window, g->map);
 }
 
+void ground_extent(const terrain *t, double low[2], double high[2]) {
+    for (int k = 0; k < 4; k++) {
+        double xy[2];
+        terrain_to_map(t, k & 1 ? (double)(t->nx - 1) : 0, k & 2 ? (double)(t->ny - 1) : 0, xy);
+        for (int c = 0; c < 2; c++) {
+            low[c] = k == 0 ? xy[c] : fmin(low[c], xy[c]);
+            high[c] = k == 0 ? xy[c] : fmax(high[c], xy[c]);
+        }
+    }
+}
+
 bool ground_find_window(ground *g, const double e[4], const char *text, io_error *error) {
     const double tolerance = 0x1p-20; /* cells, for coordinates in decimals */
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, corners[2][2];
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     const double last[2] = {(double)(g->whole.nx - 1), (double)(g->whole.ny - 1)};
     for (int k = 0; k < 4; k++) {
         double at[2];
@@ -60,12 +71,11 @@ bool ground_find_window(ground *g, const double e[4], const char *text, io_error
         high[a] = fmin(floor(high[a] + tolerance), last[a]);
         some = some && low[a] <= high[a];
     }
-    terrain_to_map(&g->whole, 0, 0, corners[0]);
-    terrain_to_map(&g->whole, last[0], last[1], corners[1]);
-    if (!some)
-        return io_fail(error, "--window %s: no sample is in it; they go from %.10g,%.10g to %.10g,%.10g", text,
-                       fmin(corners[0][0], corners[1][0]), fmin(corners[0][1], corners[1][1]),
-                       fmax(corners[0][0], corners[1][0]), fmax(corners[0][1], corners[1][1]));
+    if (!some) {
+        ground_extent(&g->whole, low, high);
+        return io_fail(error, "--window %s: no sample is in it; they go from %.10g,%.10g to %.10g,%.10g", text, low[0],
+                       low[1], high[0], high[1]);
+    }
     ground_set_window(g, (cw_rectangle){(size_t)low[0], (size_t)low[1], (size_t)(high[0] - low[0]) + 1,
                                         (size_t)(high[1] - low[1]) + 1});
     return true;
@@ -216,30 +226,61 @@ bool ground_read_around(ground *g, double x, double y, double metres, io_error *
     return ground_check(g, piece, 0, error) && ground_read(g, piece, false, error);
 }
 
+/* ---- plans -------------------------------------------------------------------------------------------------------- */
+
+cw_status ground_plan_create(ground_plan *p, const ground_matters *by, const terrain *whole, cw_rectangle window) {
+    *p = (ground_plan){.by = *by, .whole = whole, .window = window};
+    if (by->sun_count == 1) p->toward = cw_reach_toward(whole, by->suns, window);
+    return by->distance > 0 || (by->sun_count == 0 && !by->horizons) ? CW_OK
+                                                                     : cw_reach_blocks_create(whole, &p->blocks);
+}
+
+void ground_plan_destroy(ground_plan *p) {
+    cw_reach_horizons_destroy(&p->reach);
+    cw_reach_blocks_destroy(&p->blocks);
+}
+
+static bool has_blocks(const ground_plan *p) { return p->blocks.whole != NULL; }
+
+cw_status ground_plan_around(ground_plan *p, cw_rectangle part, cw_rectangle *piece) {
+    const ground_matters *by = &p->by;
+    const cw_rectangle all = {0, 0, p->whole->nx, p->whole->ny};
+    *piece = by->distance > 0 ? cw_reach_beside(p->whole, part, by->distance) : all;
+    if (!has_blocks(p)) return CW_OK;
+    if (by->horizons && !p->begun) {
+        const cw_status status =
+            cw_reach_horizons_create(&p->blocks, p->window, by->curvature, by->above_level, &p->reach);
+        if (status != CW_OK) return status;
+    }
+    p->begun = true;
+    *piece = by->horizons ? cw_reach_of_horizons(&p->reach, part) : cw_reach_grow(p->whole, part, 2);
+    for (size_t k = 0; k < by->sun_count && (piece->nx < all.nx || piece->ny < all.ny); k++) {
+        const reach_sunward sunward = cw_reach_toward(p->whole, &by->suns[k], part);
+        *piece = cw_reach_both(*piece, cw_reach_of_shadows(&p->blocks, &sunward, part));
+    }
+    return CW_OK;
+}
+
 typedef struct survey {
     ground *ground;
-    reach_blocks *blocks;
-    ground_wanted *wanted;
-    void *context;
+    ground_plan *plan;
     double most; /* samples at once */
 } survey;
 
 static bool is_wanted(const survey *s, cw_rectangle block) {
-    const cw_rectangle w = s->ground->window, both = cw_reach_both(w, block);
-    return s->wanted == NULL || (both.nx < w.nx + block.nx && both.ny < w.ny + block.ny) ||
-           s->wanted(s->context, block);
+    const ground_plan *p = s->plan;
+    const cw_rectangle w = p->window, both = cw_reach_both(w, block);
+    return p->by.horizons || p->by.sun_count != 1 || (both.nx < w.nx + block.nx && both.ny < w.ny + block.ny) ||
+           cw_reach_passes(&p->toward, w, block);
 }
 
 /* The rectangle of all that is wanted of rows of blocks, and how many samples of it are. */
 static cw_rectangle find_wanted(const survey *s, size_t first, size_t end, double *samples) {
-    const size_t nx = s->ground->about.nx, ny = s->ground->about.ny;
     cw_rectangle all = {0};
     *samples = 0;
     for (size_t y = first; y < end; y++)
-        for (size_t x = 0; x < s->blocks->across; x++) {
-            const size_t i = x * REACH_BLOCK, j = y * REACH_BLOCK;
-            const cw_rectangle block = {i, j, nx - i < REACH_BLOCK ? nx - i : REACH_BLOCK,
-                                        ny - j < REACH_BLOCK ? ny - j : REACH_BLOCK};
+        for (size_t x = 0; x < s->plan->blocks.across; x++) {
+            const cw_rectangle block = cw_reach_block(&s->plan->blocks, x, y);
             if (!is_wanted(s, block)) continue;
             *samples += (double)block.nx * (double)block.ny;
             all = cw_reach_both(all, block);
@@ -262,17 +303,16 @@ static bool survey_rows(const survey *s, size_t first, size_t end, io_error *err
         const cw_rectangle part = {all.i + i, all.j, all.nx - i < columns ? all.nx - i : columns, all.ny};
         io_raster r;
         if (!read_part(s->ground, part, &r, error)) return false;
-        cw_reach_blocks_take(s->blocks, part, r.z);
+        cw_reach_blocks_take(&s->plan->blocks, part, r.z);
         io_raster_free(&r);
     }
     return true;
 }
 
-bool ground_survey(ground *g, reach_blocks *b, ground_wanted *wanted, void *context, io_error *error) {
-    if (g->about.z != NULL) {
-        cw_reach_blocks_take(b, ground_all(g), g->about.z);
-        return true;
-    }
-    const survey s = {g, b, wanted, context, fmin(0.5 * room(g), 1e8) / sizeof(float)};
-    return survey_rows(&s, 0, b->down, error);
+bool ground_plan_survey(ground_plan *p, ground *g, io_error *error) {
+    const survey s = {g, p, fmin(0.5 * room(g), 1e8) / sizeof(float)};
+    if (!has_blocks(p)) return true;
+    if (g->about.z == NULL) return survey_rows(&s, 0, p->blocks.down, error);
+    cw_reach_blocks_take(&p->blocks, ground_all(g), g->about.z);
+    return true;
 }

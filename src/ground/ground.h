@@ -38,6 +38,9 @@ void ground_close(ground *g);
 /* All of the raster. */
 cw_rectangle ground_all(const ground *g);
 
+/* The least and greatest x and y of the samples. */
+void ground_extent(const terrain *t, double low[2], double high[2]);
+
 void ground_set_window(ground *g, cw_rectangle window);
 /* The samples from xmin, ymin to xmax, ymax on the map; text is for messages. */
 bool ground_find_window(ground *g, const double extent[4], const char *text, io_error *error);
@@ -58,11 +61,37 @@ static inline bool ground_is_small(const ground *g) {
 bool ground_fits(const ground *g, cw_rectangle piece, double more);
 bool ground_check(const ground *g, cw_rectangle piece, double more, io_error *error);
 
-/* Takes the blocks of the window and those that wanted says are of use: all, if it is NULL. */
-typedef bool ground_wanted(void *context, cw_rectangle block);
-bool ground_survey(ground *g, reach_blocks *blocks, ground_wanted *wanted, void *context, io_error *error);
-
 /* The curvature that was given, or if that is NaN the default of lines of sight. */
 double ground_curvature(const ground *g, double given);
+
+/* ---- which samples matter to a part of a product: the rectangle to read for a band of rows, or for a chunk of Dask's -------- */
+
+/* What decides it. All zero: all of the raster matters. */
+typedef struct ground_matters {
+    double distance;      /* metres: nothing farther away; 0: no limit */
+    const cw_light *suns; /* all that throws a shadow from one of these places; they must stay */
+    size_t sun_count;
+    bool horizons, above_level; /* all that may be a horizon, or only what is above a sample's level */
+    double curvature;           /* of horizons */
+} ground_matters;
+
+typedef struct ground_plan {
+    ground_matters by;
+    const terrain *whole;
+    cw_rectangle window;  /* of the product */
+    reach_blocks blocks;  /* to be surveyed before parts are asked for, if the plan has any */
+    reach_sunward toward; /* from the window, if there is one sun */
+    reach_horizons reach;
+    bool begun;
+} ground_plan;
+
+cw_status ground_plan_create(ground_plan *p, const ground_matters *by, const terrain *whole, cw_rectangle window);
+void ground_plan_destroy(ground_plan *p);
+
+/* Takes the lowest and highest samples of blocks, if they must be known: those of the window and what else is of use to it. */
+bool ground_plan_survey(ground_plan *p, ground *g, io_error *error);
+
+/* The rectangle that matters to a part of the window. */
+cw_status ground_plan_around(ground_plan *p, cw_rectangle part, cw_rectangle *piece);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "outcome.h"
 
+#include "normal.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -77,4 +79,119 @@ void outcome_text(const outcome *o, const io_raster_product *p, const char *coun
     else
         snprintf(text, size, "%.3g to %.3g%s%s, median %.3g, of %zu samples", (double)o->low, (double)o->high,
                  *unit ? " " : "", unit, outcome_quantile(o, 0.5), data);
+}
+
+/* The ramp cividis (Nuñez, Anderton and Renslow 2018), which people with and without colour blindness see alike. */
+enum { STEPS = 8 };
+static const unsigned char ramp[STEPS + 1][3] = {{0, 34, 78},     {26, 56, 111},   {67, 78, 108},
+                                                 {97, 101, 111},  {125, 124, 120}, {155, 148, 118},
+                                                 {188, 174, 108}, {222, 201, 88},  {254, 232, 56}};
+/* The share of the ramp's colour; the rest is relief. */
+static const double tint = 0.6;
+
+bool picture_begin(picture *p, const char *path, size_t nx, size_t ny, io_error *error) {
+    *p = (picture){.nx = nx, .ny = ny};
+    if (nx > PICTURE_PIXELS_MOST / ny)
+        return io_fail(error, "%s: %zu x %zu samples are too many for a picture; write .tif", path, nx, ny);
+    p->values = malloc(3 * nx * ny * sizeof *p->values);
+    if (p->values == NULL) return io_fail(error, "out of memory");
+    p->toward = p->values + nx * ny;
+    p->lean = p->toward + nx * ny;
+    return true;
+}
+
+void picture_end(picture *p) {
+    free(p->values);
+    *p = (picture){0};
+}
+
+bool picture_take(picture *p, size_t row, size_t rows, const float *values, const terrain *t, size_t i, size_t j,
+                  size_t step, io_error *error) {
+    memcpy(p->values + row * p->nx, values, rows * p->nx * sizeof *values);
+    float *slope = malloc(2 * t->nx * sizeof *slope);
+    if (slope == NULL) return io_fail(error, "out of memory");
+    for (size_t y = 0; y < rows; y++) {
+        cw_terrain_slope_row(t, j + y * step, 0, t->nx, slope, slope + t->nx);
+        for (size_t x = 0; x < p->nx; x++) {
+            const float east = slope[i + x * step], north = slope[t->nx + i + x * step];
+            p->toward[(row + y) * p->nx + x] = 0.70710678f * (north - east); /* northwest */
+            p->lean[(row + y) * p->nx + x] = east * east + north * north;
+        }
+    }
+    free(slope);
+    return true;
+}
+
+/* Flat land is drawn as if it were steeper, so that its relief shows. */
+static double exaggeration(const picture *p) {
+    double sum = 0;
+    size_t count = 0;
+    for (size_t k = 0; k < p->nx * p->ny; k++)
+        if (isfinite(p->lean[k])) {
+            sum += (double)p->lean[k];
+            count++;
+        }
+    const double steepness = count ? sqrt(sum / (double)count) : 0;
+    return steepness > 0 ? fmin(fmax(0.6 / steepness, 1), 30) : 1;
+}
+
+/* Light on the ground from the northwest at 45 degrees, 0 to 1; NaN where there is no ground. */
+static double shade(const picture *p, size_t k, double times) {
+    const double light = 0.70710678 * (1 - times * (double)p->toward[k]);
+    return fmax(light, 0) / sqrt(1 + times * times * (double)p->lean[k]);
+}
+
+static void colour_of(double value, double low, double high, double light, unsigned char rgb[3]) {
+    const double share = high > low ? fmin(fmax((value - low) / (high - low), 0), 1) : value > 0;
+    const int step = share < 1 ? (int)(share * STEPS) : STEPS - 1;
+    const double part = share * STEPS - step;
+    for (int c = 0; c < 3; c++) {
+        const double own = ramp[step][c] + part * (ramp[step + 1][c] - ramp[step][c]);
+        rgb[c] = (unsigned char)(isnan(value) ? 255 * (0.3 + 0.6 * light) : tint * own + (1 - tint) * 255 * light);
+    }
+}
+
+/* Discs with a white rim, in the vermilion of Okabe and Ito's palette, over a row of pixels. */
+static void mark(const picture *p, const double *marks, size_t count, size_t y, unsigned char *row) {
+    static const unsigned char colours[2][3] = {{213, 94, 0}, {255, 255, 255}};
+    const double radius = fmax(3, (double)(p->nx < p->ny ? p->nx : p->ny) / 80), inner = radius - fmax(1, radius / 4);
+    for (size_t k = 0; k < count; k++) {
+        const double down = (double)y - marks[2 * k + 1], half = sqrt(fmax(radius * radius - down * down, 0));
+        if (!(fabs(down) <= radius)) continue;
+        const double from = fmax(ceil(marks[2 * k] - half), 0),
+                     until = fmin(floor(marks[2 * k] + half), (double)p->nx - 1);
+        for (double x = from; x <= until; x++)
+            memcpy(row + 3 * (size_t)x, colours[hypot(x - marks[2 * k], down) > inner], 3);
+    }
+}
+
+bool picture_write(const picture *p, const char *path, const io_raster_product *product, const outcome *of,
+                   const double *marks, size_t mark_count, io_error *error) {
+    const double low = outcome_quantile(of, 0.02), high = outcome_quantile(of, 0.98), times = exaggeration(p);
+    io_raster_product rgb = *product;
+    io_raster_writer to;
+    unsigned char *row = malloc(3 * p->nx);
+    rgb.rgb = true;
+    bool good = (row != NULL || io_fail(error, "out of memory")) && io_raster_create(&to, path, &rgb, error);
+    if (!good) {
+        free(row);
+        return false;
+    }
+    for (size_t y = 0; good && y < p->ny; y++) {
+        for (size_t x = 0; x < p->nx; x++) {
+            const size_t k = y * p->nx + x;
+            const double light = shade(p, k, times);
+            unsigned char *pixel = row + 3 * x;
+            if (isnan(light))
+                memset(pixel, 240, 3);
+            else
+                colour_of((double)p->values[k], low, high, light, pixel);
+        }
+        mark(p, marks, mark_count, y, row);
+        good = io_raster_write(&to, row, 1, error);
+    }
+    good = good && io_raster_commit(&to, error);
+    io_raster_discard(&to);
+    free(row);
+    return good;
 }

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most) {
@@ -54,17 +55,6 @@ static bool is_inside(const terrain *t, const double at[2], double beyond) {
            at[1] <= (double)(t->ny - 1) + beyond;
 }
 
-static void find_extent(const terrain *t, double low[2], double high[2]) {
-    for (int k = 0; k < 4; k++) {
-        double xy[2];
-        terrain_to_map(t, k & 1 ? (double)(t->nx - 1) : 0, k & 2 ? (double)(t->ny - 1) : 0, xy);
-        for (int c = 0; c < 2; c++) {
-            low[c] = k == 0 ? xy[c] : fmin(low[c], xy[c]);
-            high[c] = k == 0 ? xy[c] : fmax(high[c], xy[c]);
-        }
-    }
-}
-
 static bool looks_like_degrees(const terrain *t, const ground_place *p, const double low[2], const double high[2]) {
     const bool far = low[0] > 360 || high[0] < -360 || low[1] > 360 || high[1] < -360;
     return !t->geographic && far && fabs(p->x) <= 360 && fabs(p->y) <= 360;
@@ -77,7 +67,7 @@ static bool tell_no_ground(const terrain *part, const ground_place *p, const dou
     double low[2], high[2], swapped[2];
     if (is_inside(t, at, 0))
         return io_fail(error, "%s: there is no data at that place; X,Y,=Z gives the height itself", p->text);
-    find_extent(t, low, high);
+    ground_extent(t, low, high);
     terrain_from_map(t, p->y, p->x, swapped);
     const char *why = is_inside(t, at, 0.5) ? "lies in the outer half of a pixel, beyond the outermost centres"
                       : looks_like_degrees(t, p, low, high)
@@ -104,4 +94,159 @@ bool ground_find_place(const terrain *t, const ground_place *p, double at[3], do
                        p->absolute ? "X,Y,H counts H from the ground" : "H counts from the ground");
     at[2] = height / terrain_metres_of_height(t);
     return isfinite(at[2]) || io_fail(error, "%s: is too high", p->text);
+}
+
+static bool put(observers *o, const observer *new, io_error *error) {
+    if (o->count == OBSERVERS_MOST) return io_fail(error, "there are more than %d observers", OBSERVERS_MOST);
+    if (o->count == o->room) {
+        const size_t room = o->room ? 2 * o->room : 64;
+        observer *list = realloc(o->list, room * sizeof *list);
+        if (list == NULL) return io_fail(error, "out of memory");
+        o->list = list;
+        o->room = room;
+    }
+    o->list[o->count++] = *new;
+    return true;
+}
+
+static size_t given_count(const observers *o) { return o->from->file ? o->points.count : o->from->place_count; }
+
+static size_t part_of(const observers *o, size_t k) { return o->from->file ? o->points.points[k].part : 0; }
+
+/* A given place as an observer. */
+static observer given(const observers *o, size_t k) {
+    if (!o->from->file) {
+        const ground_place *p = &o->from->places[k];
+        return (observer){p->x, p->y, p->z, p->absolute, p->weight, NAN, k};
+    }
+    const io_point *p = &o->points.points[k];
+    return (observer){p->x, p->y, isnan(p->height) ? o->from->height : p->height, p->absolute, p->weight, NAN, k};
+}
+
+/* Metres between two places, by the scale halfway. */
+static double length_between(const terrain *t, const observer *a, const observer *b) {
+    double at[2], metres[2];
+    terrain_from_map(t, 0.5 * (a->x + b->x), 0.5 * (a->y + b->y), at);
+    cw_terrain_metres(t, at[0], at[1], metres);
+    return hypot((b->x - a->x) * metres[0], (b->y - a->y) * metres[1]);
+}
+
+/* Observers from one corner up to the next, and there too if it is the last. *at: how far the next one stands from the line's
+ * beginning, in steps; before: the corner's distance from there. */
+static bool put_between(observers *o, const observer *a, const observer *b, double before, double length, double *step,
+                        io_error *error) {
+    const double every = o->from->every, end = before + length;
+    /* A length that is some steps but for rounding has them all. */
+    const double least = 0x1p-40 * end;
+    for (; *step * every <= end + least; ++*step) {
+        const double way = *step * every, share = length > 0 ? fmin((way - before) / length, 1) : 0;
+        const observer new = {a->x + share * (b->x - a->x),
+                              a->y + share * (b->y - a->y),
+                              a->z + share * (b->z - a->z),
+                              a->absolute,
+                              a->weight + share * (b->weight - a->weight),
+                              way,
+                              a->given};
+        if (!put(o, &new, error)) return false;
+    }
+    return true;
+}
+
+static ground_place place_of(const observers *o, const observer *a, char text[OBSERVER_TEXT]) {
+    if (!o->from->file && isnan(a->along)) return o->from->places[a->given];
+    char name[OBSERVER_TEXT / 2] = "", way[60] = "";
+    if (o->from->file) io_points_name(&o->points, a->given, name, sizeof name);
+    if (!isnan(a->along)) snprintf(way, sizeof way, "%s%.10g m along the line", name[0] ? ", " : "", a->along);
+    snprintf(text, OBSERVER_TEXT, "%s%s: %.10g,%.10g,%s%.10g", name, way, a->x, a->y, a->absolute ? "=" : "", a->z);
+    return (ground_place){text, a->x, a->y, a->z, a->absolute, a->weight};
+}
+
+/* The given places, or observers along the lines of which they are corners. */
+static bool put_all(observers *o, const terrain *t, io_error *error) {
+    double before = 0, step = 0;
+    for (size_t k = 0; k < given_count(o); k++) {
+        const observer a = given(o, k);
+        const bool last = k + 1 == given_count(o) || part_of(o, k + 1) != part_of(o, k);
+        if (!(o->from->every > 0)) {
+            if (!put(o, &a, error)) return false;
+            continue;
+        }
+        if (last) {
+            before = step = 0;
+            continue;
+        }
+        const observer b = given(o, k + 1);
+        if (a.absolute != b.absolute) {
+            char text[OBSERVER_TEXT];
+            return io_fail(error, "%s: heights along a line are all above ground, or all absolute",
+                           place_of(o, &b, text).text);
+        }
+        const double length = length_between(t, &a, &b);
+        if (!isfinite(length) || before + length > OBSERVERS_MOST * o->from->every)
+            return io_fail(error, "there are more than %d observers", OBSERVERS_MOST);
+        if (!put_between(o, &a, &b, before, length, &step, error)) return false;
+        before += length;
+    }
+    return true;
+}
+
+bool observers_find(observers *o, const observers_from *from, const ground *g, io_error *error) {
+    const io_points_options reading = {
+        .layer = from->layer, .crs = g->about.georef.crs, .warn = g->watch.warn, .context = g->watch.context};
+    *o = (observers){.from = from};
+    if (from->file && !io_points_read(from->file, &reading, &o->points, error)) return false;
+    bool good = true;
+    if (from->lines && o->points.has_lines && from->every == 0)
+        good = io_fail(error, "%s: holds lines, and --every D says where on them observers stand", from->file);
+    good = good && put_all(o, &g->whole, error);
+    if (good && o->count == 0) good = io_fail(error, "%s: a line has two corners or more", from->file);
+    if (!good) observers_free(o);
+    return good;
+}
+
+void observers_free(observers *o) {
+    io_points_free(&o->points);
+    free(o->list);
+    *o = (observers){0};
+}
+
+const char *observers_name(const observers *o, size_t k) {
+    return o->from->file ? o->points.points[o->list[k].given].name : "";
+}
+
+bool observers_have_names(const observers *o) {
+    for (size_t k = 0; k < o->count; k++)
+        if (observers_name(o, k)[0] != '\0') return true;
+    return false;
+}
+
+ground_place observers_place(const observers *o, size_t k, char text[OBSERVER_TEXT]) {
+    return place_of(o, &o->list[k], text);
+}
+
+view_sum view_sum_of(const terrain *t, cw_rectangle at, const uint16_t *seen, const uint8_t *within,
+                     const double eye[2]) {
+    view_sum v = {0, 0, NAN, {NAN, NAN}};
+    double metres[2], far = -1;
+    cw_terrain_metres(t, eye[0], eye[1], metres);
+    const double cell = 1e-6 * fabs(t->map[0][0] * t->map[1][1] - t->map[0][1] * t->map[1][0]);
+    for (size_t y = at.j; y < at.j + at.ny; y++) {
+        double count = 0, sum = 0, scale[2];
+        for (size_t x = at.i; x < at.i + at.nx; x++) {
+            if (seen[y * t->nx + x] == 0 || (within && within[y * t->nx + x] == 0)) continue;
+            const double dx = (double)x - eye[0], dy = (double)y - eye[1];
+            const double away = hypot((t->map[0][0] * dx + t->map[0][1] * dy) * metres[0],
+                                      (t->map[1][0] * dx + t->map[1][1] * dy) * metres[1]);
+            count++;
+            sum += (double)x;
+            if (away <= far) continue;
+            v.farthest = far = away;
+            terrain_to_map(t, (double)x, (double)y, v.farthest_at);
+        }
+        if (count == 0) continue;
+        cw_terrain_metres(t, sum / count, (double)y, scale);
+        v.samples += count;
+        v.km2 += cell * scale[0] * scale[1] * count;
+    }
+    return v;
 }

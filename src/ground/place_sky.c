@@ -1,29 +1,119 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "place_sky.h"
 
+#include "gdal/module.h"
+#include "inputs.h"
 #include "normal.h"
-#include "sun.h"
+#include "table.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-static const double degree = 0.017453292519943295, day = 86400;
+static const double degrees = 180 / 3.141592653589793, degree = 0.017453292519943295, day = 86400;
+
+bool sun_place_of(const terrain *t, const io_georef *georef, const double at[2], const char *path, const char *instead,
+                  sun_place *place, io_error *error) {
+    const terrain *whole = terrain_whole(t);
+    double xy[2];
+    *place = (sun_place){0, 0, 0};
+    if (at)
+        memcpy(xy, at, sizeof xy);
+    else
+        terrain_to_map(whole, 0.5 * (double)(whole->nx - 1), 0.5 * (double)(whole->ny - 1), xy);
+    if (t->geographic) {
+        place->longitude = xy[0] * t->unit * degrees;
+        place->latitude = xy[1] * t->unit * degrees;
+        return true;
+    }
+    if (georef->crs == NULL)
+        return io_fail(error, "%s: names no coordinate system, so the sun's place at a time is not known%s%s", path,
+                       instead ? "; " : "", instead ? instead : "");
+    const io_gdal *gdal = io_gdal_load(error);
+    double x[2] = {xy[0]}, y[2] = {xy[1]};
+    if (gdal == NULL || !gdal->lon_lat(georef->crs, false, 1, x, y, error)) return false;
+    place->longitude = x[0];
+    place->latitude = y[0];
+    /* Two places, one 20 m north of the other. */
+    x[1] = x[0];
+    y[0] -= 1e-4;
+    y[1] = y[0] + 2e-4;
+    if (!gdal->lon_lat(georef->crs, true, 2, x, y, error)) return false;
+    place->turned = atan2(x[1] - x[0], y[1] - y[0]) * degrees;
+    return true;
+}
+
+sun_position sun_place_at(const sun_place *place, double seconds) {
+    sun_position p = cw_sun_at(seconds, place->longitude, place->latitude);
+    p.azimuth = fmod(p.azimuth + place->turned + 360, 360);
+    return p;
+}
+
+enum { AZIMUTH, ALTITUDE, WEIGHT, NAMES };
+
+static bool take_sun(const io_table *t, size_t row, const size_t columns[NAMES], sun_list *list, io_error *error) {
+    sun_position *p = &list->suns[row];
+    double *weight = &list->weights[row];
+    *p = (sun_position){.distance = 1};
+    *weight = 1;
+    if (!io_table_number(t, row, columns[AZIMUTH], &p->azimuth, error) ||
+        !io_table_number(t, row, columns[ALTITUDE], &p->altitude, error) ||
+        (columns[WEIGHT] < t->columns && !io_table_number(t, row, columns[WEIGHT], weight, error)))
+        return false;
+    return fabs(p->altitude) <= 90 ||
+           io_table_fail(t, row, columns[ALTITUDE], "an angle from -90 to 90 degrees", error);
+}
+
+bool sun_list_read(const char *path, const ground_watch *w, sun_list *list, io_error *error) {
+    static const char *const names[NAMES] = {"azimuth", "altitude", "weight"};
+    size_t columns[NAMES];
+    io_table t;
+    *list = (sun_list){0};
+    if (!io_inputs_note_path(path)) return io_fail(error, "out of memory");
+    if (!io_table_read(path, &t, error)) return false;
+    bool good = io_table_columns(&t, names, NAMES, WEIGHT, columns, w->warn, w->context, error);
+    if (good && t.rows == 0) good = io_fail(error, "%s: holds no places of the sun", path);
+    list->suns = calloc(t.rows + 1, sizeof *list->suns);
+    list->weights = calloc(t.rows + 1, sizeof *list->weights);
+    if (good && !(list->suns && list->weights)) good = io_fail(error, "out of memory");
+    for (size_t row = 0; good && row < t.rows; row++) good = take_sun(&t, row, columns, list, error);
+    list->count = t.rows;
+    io_table_free(&t);
+    return good;
+}
+
+void sun_list_free(sun_list *list) {
+    free(list->suns);
+    free(list->weights);
+    *list = (sun_list){0};
+}
+
+/* A way from the eye, out of the terrain or so far. */
+typedef struct way_out {
+    double dir[2], to[2], steps, metres; /* metres: of a step */
+} way_out;
+
+static way_out look_toward(const sight *s, double azimuth, double max_distance) {
+    const terrain *t = s->terrain;
+    way_out w;
+    w.metres = cw_terrain_direction(t, s->eye[0], s->eye[1], azimuth, w.dir);
+    w.steps = cw_terrain_steps_out(t, s->eye, w.dir);
+    if (max_distance > 0) w.steps = fmin(w.steps, max_distance / w.metres);
+    for (int a = 0; a < 2; a++) w.to[a] = s->eye[a] + w.steps * w.dir[a];
+    return w;
+}
 
 place_horizon place_horizon_toward(sight *s, double azimuth, double max_distance) {
     const terrain *t = s->terrain;
     place_horizon h = {azimuth, NAN, NAN, {NAN, NAN}};
-    double dir[2];
     s->at_crossings = true;
-    const double length = cw_terrain_direction(t, s->eye[0], s->eye[1], azimuth, dir);
-    double far = cw_terrain_steps_out(t, s->eye, dir);
-    if (max_distance > 0) far = fmin(far, max_distance / length);
-    const double to[2] = {s->eye[0] + far * dir[0], s->eye[1] + far * dir[1]};
-    const sight_rise r = cw_sight_steepest(s, to[0], to[1], -INFINITY);
+    const way_out w = look_toward(s, azimuth, max_distance);
+    const sight_rise r = cw_sight_steepest(s, w.to[0], w.to[1], -INFINITY);
     if (r.steepest == -INFINITY) return h;
-    const double cells = cw_sight_nearest(s, to[0], to[1], r) * far;
-    h.angle = atan(r.steepest * terrain_metres_of_height(t) / (far * length)) / (3.141592653589793 / 180);
-    h.distance = cells * length;
-    terrain_to_map(t, s->eye[0] + cells * dir[0], s->eye[1] + cells * dir[1], h.at);
+    const double cells = cw_sight_nearest(s, w.to[0], w.to[1], r) * w.steps;
+    h.angle = atan(r.steepest * terrain_metres_of_height(t) / (w.steps * w.metres)) / (3.141592653589793 / 180);
+    h.distance = cells * w.metres;
+    terrain_to_map(t, s->eye[0] + cells * w.dir[0], s->eye[1] + cells * w.dir[1], h.at);
     return h;
 }
 
@@ -67,13 +157,9 @@ bool sun_ground_lean(const terrain *t, const double at[2], double *tilt, double 
 
 /* Nothing on the way to the terrain's end, or so far away, rises as steeply as the sun stands. */
 static bool is_free(const sight *s, const sun_day_desc *d, const sun_position *p) {
-    const terrain *t = s->terrain;
-    double dir[2];
-    const double length = cw_terrain_direction(t, s->eye[0], s->eye[1], p->azimuth, dir);
-    double far = cw_terrain_steps_out(t, s->eye, dir);
-    if (d->max_distance > 0) far = fmin(far, d->max_distance / length);
-    const double rise = tan(p->altitude * degree) * far * length / terrain_metres_of_height(t);
-    return cw_sight_steepest(s, s->eye[0] + far * dir[0], s->eye[1] + far * dir[1], rise).share == 0;
+    const way_out w = look_toward(s, p->azimuth, d->max_distance);
+    const double rise = tan(p->altitude * degree) * w.steps * w.metres / terrain_metres_of_height(s->terrain);
+    return cw_sight_steepest(s, w.to[0], w.to[1], rise).share == 0;
 }
 
 /* Adds a sun above the level that shines for so long, with so much light on a surface that faces it. Whether it is seen. */

@@ -1,10 +1,40 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The sky of one place: the horizon as it sees it, and the sun day by day, behind the hills and as it would be without them. */
+/* Where on earth a place is, and its sky: the sun at a time, the horizon as the place sees it, and the sun day by day, behind the hills and
+ * as it would be without them. */
 #ifndef CELLWALK_GROUND_PLACE_SKY_H
 #define CELLWALK_GROUND_PLACE_SKY_H
 
+#include "georef.h"
+#include "io_error.h"
+#include "raster_field.h"
 #include "sight.h"
-#include "sun_place.h"
+#include "sun.h"
+#include "terrain.h"
+
+/* Where a place is on earth. */
+typedef struct sun_place {
+    double longitude, latitude; /* degrees */
+    double turned; /* how far the map's north is turned there from the true one, toward the west, in degrees */
+} sun_place;
+
+/* Of a place of the map, or if xy is NULL of the terrain's middle. An error if the map is not in degrees and names no coordinate system;
+ * path is for messages, and so is instead: what the user can do, or NULL. */
+bool sun_place_of(const terrain *t, const io_georef *georef, const double xy[2], const char *path, const char *instead,
+                  sun_place *place, io_error *error);
+
+/* Places of the sun from a table with the columns azimuth, from the map's north, altitude as it is seen, and weight (1 if there is
+ * none). sun_list_free is good for what failed, too. */
+typedef struct sun_list {
+    size_t count;
+    sun_position *suns;
+    double *weights;
+} sun_list;
+
+bool sun_list_read(const char *path, const ground_watch *watch, sun_list *list, io_error *error);
+void sun_list_free(sun_list *list);
+
+/* The sun with its azimuth on the map. */
+sun_position sun_place_at(const sun_place *place, double seconds);
 
 /* In one direction: degrees of the compass and above the level, metres, and where on the map. All but the azimuth are NaN where no
  * terrain is. */

@@ -16,13 +16,12 @@ matters to it.
                        max_distance around the chunk; without one the whole raster in each task, as far mountains may count
 
 Where a task needs more than `memory` bytes, that is said before work starts. The rectangles are those by which the program
-makes rasters larger than memory (src/ground/ground_plan.h).
+makes rasters larger than memory (src/ground/ground.h).
 """
 
 from __future__ import annotations
 
 import functools
-import math
 import os
 import threading
 from typing import Any, NamedTuple, Optional, TypedDict, Unpack, cast
@@ -115,12 +114,9 @@ def _ranges(part, g, window):
 
 
 def _make(part, g, window, chunk, plan, threads):
-    """A chunk of a plan's product. Those of whole rows are cut."""
+    """A chunk of a plan's product."""
     rows, columns = chunk.inside(window)
-    field = _field_of(part, g, window, threads)
-    if plan.make == "visibility":
-        return field._rows(plan, (rows.start, columns.start, chunk.rows, chunk.columns))
-    return field._rows(plan, (rows.start, 0, chunk.rows, window.columns))[..., columns]
+    return _field_of(part, g, window, threads)._rows(plan, (rows.start, columns.start, chunk.rows, chunk.columns))
 
 
 def _seen(part, g, window, plan, threads):

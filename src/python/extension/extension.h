@@ -48,10 +48,8 @@ bool work_watch(void *context, double done);
 /* For work in parts: from here on the watch is told shares of [begin, begin + share]. False if the work is stopped. */
 bool work_part(work *w, double begin, double share);
 
-/* Around each use of GDAL's module, which is for one thread at a time, and without the GIL, since who is inside may ask for that, to warn
- * or to tell progress. */
-extern pthread_mutex_t raster_door;
-/* The same for who has the GIL, which is given back. */
+/* Around each use of GDAL's module, which is for one thread at a time: gives the GIL back, then waits for the others. In this order,
+ * since who is inside may ask for the GIL, to warn or to tell progress. */
 PyThreadState *raster_enter(void);
 void raster_leave(PyThreadState *state);
 

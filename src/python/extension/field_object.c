@@ -3,7 +3,6 @@
 
 #include "cellwalk_terrain.h"
 
-#include <math.h>
 #include <string.h>
 
 static bool buffer_holds(const Py_buffer *buffer, size_t bytes, const char *name) {

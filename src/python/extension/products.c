@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Products with a number for each sample of the window, and what of a raster matters to a window. */
 #include "extension.h"
-#include "ground_plan.h"
+#include "ground.h"
 #include "insolation.h"
 
 #include <math.h>

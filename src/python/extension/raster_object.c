@@ -1,24 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rasters from files, and what is known of their coordinate systems. */
 #include "extension.h"
-#include "gdal/module.h"
+#include "place_sky.h"
 #include "raster.h"
 #include "scale.h"
-#include "sun_place.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-pthread_mutex_t raster_door = PTHREAD_MUTEX_INITIALIZER;
+static pthread_mutex_t door = PTHREAD_MUTEX_INITIALIZER;
 
 PyThreadState *raster_enter(void) {
     PyThreadState *state = PyEval_SaveThread();
-    pthread_mutex_lock(&raster_door);
+    pthread_mutex_lock(&door);
     return state;
 }
 
 void raster_leave(PyThreadState *state) {
-    pthread_mutex_unlock(&raster_door);
+    pthread_mutex_unlock(&door);
     PyEval_RestoreThread(state);
 }
 
@@ -99,9 +98,9 @@ PyObject *read_raster(PyObject *self, PyObject *arguments) {
     io_error error = {""};
     PyObject *answer = NULL;
     if (r.warnings != NULL && work_begin(&r.work, Py_None, NULL, progress)) {
-        pthread_mutex_lock(&raster_door);
+        pthread_mutex_lock(&door);
         const bool good = io_raster_read(path, &o, &raster, &error);
-        pthread_mutex_unlock(&raster_door);
+        pthread_mutex_unlock(&door);
         if (!work_end(&r.work, CW_OK, path)) {
             if (good) io_raster_free(&raster);
         } else if (!good) {
@@ -129,11 +128,11 @@ PyObject *find_scale(PyObject *self, PyObject *arguments) {
     PyObject *nodes = NULL;
     reading r = {.warnings = PyList_New(0)};
     if (r.warnings != NULL && work_begin(&r.work, Py_None, NULL, Py_None)) {
-        pthread_mutex_lock(&raster_door);
+        pthread_mutex_lock(&door);
         georef.placed = io_georef_from_wkt(&georef, wkt);
         good = rows >= 2 && columns >= 2 &&
                io_scale_find(&georef, map, (size_t)columns, (size_t)rows, name, note_warning, &r, &scale);
-        pthread_mutex_unlock(&raster_door);
+        pthread_mutex_unlock(&door);
         io_georef_free(&georef);
         if (work_end(&r.work, CW_OK, "crs"))
             nodes = good ? PyBytes_FromStringAndSize((const char *)&scale, sizeof scale) : Py_NewRef(Py_None);
@@ -160,10 +159,10 @@ cw_status make_place(call *c) {
     io_error error = {""};
     sun_place *out = call_output(c, 0, sizeof *out);
     if (out == NULL || c->text == NULL) return CW_ERROR_ARGUMENT;
-    pthread_mutex_lock(&raster_door);
+    pthread_mutex_lock(&door);
     io_georef_from_wkt(&g, c->text);
     const bool good = sun_place_of(&(terrain){0}, &g, xy, "crs", NULL, out, &error);
-    pthread_mutex_unlock(&raster_door);
+    pthread_mutex_unlock(&door);
     io_georef_free(&g);
     return good ? CW_OK : call_fail(c, "%s", error.text);
 }

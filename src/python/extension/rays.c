@@ -2,7 +2,6 @@
 /* Rays from arrays of any layout; points and normals of hits. */
 #include "extension.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { ORIGIN, DIRECTION, TMIN, TMAX, OPERANDS };

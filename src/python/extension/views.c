@@ -2,7 +2,7 @@
 /* Products of places of the map: viewsheds, lines of sight, horizons. */
 #include "extension.h"
 #include "line.h"
-#include "observers.h"
+#include "place.h"
 #include "place_sky.h"
 
 #include <math.h>
@@ -57,9 +57,10 @@ cw_status make_along(call *c) {
     for (size_t k = 0; k < n; k++) places[k] = place_of(c, &corners[k]);
     const observers_from from = {.places = places, .place_count = n, .every = c->n.every};
     const size_t room = (size_t)c->out[0].len / sizeof *out;
+    const ground g = {.whole = c->field->terrain};
     observers all;
     io_error error;
-    if (observers_along(&all, &from, &c->field->terrain, &error)) {
+    if (observers_find(&all, &from, &g, &error)) {
         for (size_t k = 0; k < all.count && k < room; k++) {
             const observer *o = &all.list[k];
             out[k] = (spot){o->x, northward(c->field, o->y), o->z, o->absolute, o->weight};

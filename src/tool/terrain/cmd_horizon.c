@@ -3,13 +3,12 @@
 
 #include "command.h"
 #include "inputs.h"
-#include "observers.h"
 #include "output.h"
+#include "place.h"
 #include "place_sky.h"
 #include "product.h"
 #include "progress.h"
 #include "sight.h"
-#include "sun_place.h"
 #include "table.h"
 
 #include <math.h>

@@ -2,9 +2,9 @@
 /* `cellwalk shadow`: sun and shadow on every sample of a terrain. */
 
 #include "command.h"
+#include "place_sky.h"
 #include "product.h"
 #include "progress.h"
-#include "sun_place.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -33,7 +33,7 @@ static bool find_sun(shadow_command *c, io_error *error) {
     const ground *g = &c->product.ground;
     sun_place place;
     if (c->sun) return true;
-    if (!sun_place_find(&g->whole, &g->about.georef, g->path, "give --sun", &place, error)) return false;
+    if (!sun_place_of(&g->whole, &g->about.georef, NULL, g->path, "give --sun", &place, error)) return false;
     const sun_position at = sun_place_at(&place, c->seconds);
     c->light.azimuth = at.azimuth;
     c->light.altitude = at.altitude;

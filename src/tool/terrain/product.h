@@ -6,8 +6,7 @@
 
 #include "../field_options.h"
 #include "ground.h"
-#include "ground_plan.h"
-#include "picture.h"
+#include "outcome.h"
 #include "place.h"
 #include "raster_out.h"
 

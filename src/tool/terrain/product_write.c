@@ -36,17 +36,13 @@ static bool fits(const writing *w, cw_rectangle piece) {
     return ground_fits(&w->product->ground, piece, w->product->more);
 }
 
-static bool wanted(void *context, cw_rectangle block) { return ground_plan_wants(context, block); }
-
 /* The piece for the next so many blocks from row on. */
 static bool piece_for(writing *w, size_t row, size_t blocks, cw_rectangle *part, cw_rectangle *piece, io_error *error) {
     ground *g = &w->product->ground;
     const cw_rectangle window = g->window;
     const size_t left = window.ny - row, block = w->rows * w->step,
                  rows = blocks < left / block + 1 ? blocks * block : left;
-    if (ground_plan_has_blocks(&w->plan) && !w->surveyed &&
-        !(w->surveyed = ground_survey(g, &w->plan.blocks, wanted, &w->plan, error)))
-        return false;
+    if (!w->surveyed && !(w->surveyed = ground_plan_survey(&w->plan, g, error))) return false;
     *part = (cw_rectangle){window.i, window.j + row, window.nx, rows < left ? rows : left};
     return product_good(ground_plan_around(&w->plan, *part, piece), error);
 }

@@ -5,8 +5,8 @@
 #include "half.h"
 #include "inputs.h"
 #include "landscape.h"
+#include "place_sky.h"
 #include "sight.h"
-#include "sun_place.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -228,7 +228,8 @@ static float *fill_holes(const float *z, size_t nx, size_t ny, io_error *error) 
 static bool find_sun(const view *v, const view_options *o, const char *path, wish *w, io_error *error) {
     sun_place place;
     if (o->time == NULL) return true;
-    if (!sun_place_find(&v->ground.terrain, &v->ground.about.georef, path, "give --sun", &place, error)) return false;
+    if (!sun_place_of(&v->ground.terrain, &v->ground.about.georef, NULL, path, "give --sun", &place, error))
+        return false;
     const sun_position p = sun_place_at(&place, w->seconds);
     w->sun[0] = p.azimuth;
     w->sun[1] = p.altitude;

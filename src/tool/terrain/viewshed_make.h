@@ -3,8 +3,8 @@
 #ifndef CELLWALK_TOOL_TERRAIN_VIEWSHED_MAKE_H
 #define CELLWALK_TOOL_TERRAIN_VIEWSHED_MAKE_H
 
-#include "observers.h"
 #include "output.h"
+#include "place.h"
 #include "product.h"
 #include "sight.h"
 
