@@ -59,6 +59,7 @@ typedef struct cw_pyramid_slab {
 typedef struct cw_pyramid_sum {
     double z, xz, yz; /* sums of z, x · z and y · z */
     double steepest;
+    cw_pyramid_slab slab; /* of a tile, not yet set outward */
 } cw_pyramid_sum;
 
 struct cw_pyramid {

@@ -117,18 +117,22 @@ static void measure_distances(const node_row *r) {
     }
 }
 
+static cw_pyramid_sum *tile_sum(const tile *t) {
+    return &t->p->sum[TILE_LEVEL][t->row / TILE_SIDE * cw_tiles_across(t->f) + t->column / TILE_SIDE];
+}
+
 /* Sums from which the planes of larger nodes are fitted. */
 static void add_up(const tile *t, const node_row *r, const float sum[COLUMNS], const float moment[COLUMNS]) {
     const double middle = 0.5 * (double)(r->rows - 1);
     const size_t owned = t->last_column == t->f->nx - 1 ? r->columns : r->columns - 1;
-    cw_pyramid_sum s = {0, 0, 0, 0};
+    cw_pyramid_sum s = {0};
     for (size_t i = 0; i < owned; i++) {
         s.z += (double)sum[i];
         s.xz += (double)i * (double)sum[i];
         s.yz += (double)moment[i] + middle * (double)sum[i];
     }
     if (!(fabs(s.z) + fabs(s.xz) + fabs(s.yz) <= DBL_MAX)) s.z = s.xz = s.yz = (double)NAN;
-    t->p->sum[TILE_LEVEL][t->row / TILE_SIDE * cw_tiles_across(t->f) + t->column / TILE_SIDE] = s;
+    *tile_sum(t) = s;
 }
 
 static void do_nodes(tile *t, int level, size_t y) {
@@ -141,6 +145,7 @@ static void do_nodes(tile *t, int level, size_t y) {
     sum_rows(&r, owned, r.rows, sum, moment);
     fit_planes(&r, sum, moment);
     measure_distances(&r);
+    if (level == TILE_LEVEL) tile_sum(t)->slab = r.slab[0];
     for (size_t x = 0; x < r.nodes; x++) {
         const float *bounds = cw_pyramid_node(&t->p->level[level], t->column / r.side + x, t->row / r.side + y);
         t->steepest = fmax((double)cw_slab_outward(&r.slab[x], t->f, bounds[0], bounds[16]), t->steepest);
@@ -278,5 +283,5 @@ void cw_pyramid_tile(const cw_field *f, struct cw_pyramid *p, size_t x, size_t y
     for (int l = 1; l <= TILE_LEVEL; l++)
         for (size_t k = 0; k < rows_of_nodes(&t, l); k++)
             if (l < p->levels || l == TILE_LEVEL) do_nodes(&t, l, k);
-    p->sum[TILE_LEVEL][y * cw_tiles_across(f) + x].steepest = t.steepest;
+    tile_sum(&t)->steepest = t.steepest;
 }
