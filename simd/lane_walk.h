@@ -61,7 +61,9 @@ CW_ONE_COPY void CW_CODE(lane_write)(lane_answers *a, const cw_field *f) {
     vstart s;
     restart_rays(&s, f, c);
     const vhit h = refine_hits(&s, &found);
-    scatter_hits(&h, &found, first_lanes(count), a->number, a->hits);
+    cw_hit hits[W];
+    vf_store_hits(hits, h.t, h.u, h.v, found.i, found.j, found.find.b);
+    for (size_t k = 0; k < count; k++) a->hits[a->number[k]] = hits[k];
     a->found = 0;
 }
 #endif

@@ -11,7 +11,7 @@
 
 #define INLINE_WATERTIGHT (W == 16) /* see pyramid_kernel.c */
 
-#include "../src/scalar/one.h"
+#include "../src/scalar/strict.h"
 #include "children.h"
 #include "kernels.h"
 #include "pyramid.h"
@@ -65,7 +65,7 @@ CW_INLINE unsigned open_node(const one_lanes *a, const vray *r, const cw_pyramid
 
 /* Tests the cells of block (x, y). */
 static inline bool test_block(const one_lanes *a, const vray *r, const cw_field *f, int32_t x, int32_t y,
-                              one_find *found) {
+                              cw_one_find *found) {
     block_samples s;
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     const float *row = first_row(a->up_y, s.z, s.stride);
@@ -107,7 +107,7 @@ static inline void spread_axis(vaxis *v, const strict_axis *a) {
 }
 
 /* cw_one4, cw_one8 or cw_one16. */
-cw_one_end CW_CODE(one)(const cw_field *f, const strict_ray *ray, int32_t i, int32_t j, bool low, one_find *found) {
+cw_one_end CW_CODE(one)(const cw_field *f, const strict_ray *ray, int32_t i, int32_t j, bool low, cw_one_find *found) {
     const struct cw_pyramid *p = f->pyramid;
     vray r;
     spread_axis(&r.x, &ray->x);

@@ -50,15 +50,4 @@ CW_INLINE vhit refine_hits(const vstart *s, const found_hits *h) {
     return (vhit){given, vf_select(b, across, rest), vf_select(b, rest, across)};
 }
 
-/* Writes the hits of the lanes in bits to hits[number[lane]]. */
-static inline void scatter_hits(const vhit *h, const found_hits *found, unsigned bits, const uint32_t number[W],
-                                cw_hit *hits) {
-    cw_hit in_order[W];
-    vf_store_hits(in_order, h->t, h->u, h->v, found->i, found->j, found->find.b);
-    for (; bits != 0; bits &= bits - 1) {
-        const int k = __builtin_ctz(bits);
-        hits[number[k]] = in_order[k];
-    }
-}
-
 #endif

@@ -238,7 +238,7 @@ static cw_status query_along(const cw_heading_job *job, const cw_run *run, const
     cw_status status = cw_run_begin(run, &how);
     if (status == CW_OK) status = cw_check_rectangle(f, &(cw_rectangle){job->i, job->j, job->nx, job->ny});
     how.expert.leaf = CW_LEAF_DEFAULT;
-    if (status == CW_OK) status = cw_run_settle(&how, SIZE_MAX);
+    if (status == CW_OK) status = cw_run_settle(&how);
     if (status != CW_OK || samples == 0) return status;
     const door_pass in = door_enter(&f->door);
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);

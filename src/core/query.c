@@ -15,39 +15,14 @@ enum { SHARED = 1024 };
 /* As many as keep the kernels' batches full, and few. */
 enum { BLOCK = 512 };
 
-/* The best walks for few rays: of one; of at most FEW_LANES and of more, all short by a guess; of more than FEW_ALONE, or of one that takes
- * long. In a field of more than FEW_LARGE samples, beyond the caches, one ray fewer: lanes wait for memory together. */
-enum { FEW_LANES = 4, FEW_ALONE = 4, FEW_LARGE = 1 << 22 };
-typedef struct few_walks {
-    cw_one_fn *one;
-    cw_short_fn *if_short[2];
-    const cw_kernel_code *others;
-} few_walks;
-
-/* Of 16 lanes half would be empty, and they take more of the stack. */
-#define FEW_OF(walk, lanes) FEW_OF_##lanes(walk)
-#define FEW_OF_4(walk)      walk##4
-#define FEW_OF_8(walk)      walk##8
-#define FEW_OF_16(walk)     walk##8
-/* clang-format off */
-#define KERNEL(set, lanes) \
-    [CW_ISA_##set] = {cw_one##lanes, {cw_short4, FEW_OF(cw_short, lanes)}, &FEW_OF(cw_pyramid, lanes)},
-static const few_walks few[CW_ISA_COUNT] = {[CW_ISA_SCALAR] = {.others = &cw_pyramid1}, CELLWALK_KERNELS};
-#undef KERNEL
-/* clang-format on */
+/* So many rays are best found one after the other: lanes would mostly be empty. */
+enum { FEW_ALONE = 3 };
 
 /* Does for n <= CW_FEW_RAYS rays what a cw_trace_fn does. */
-static inline void trace_few(cw_isa isa, const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits,
+static inline void trace_few(const cw_kernel *kernel, const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits,
                              uint8_t *occluded) {
-    const few_walks *w =
-        &few[few[isa].others ? isa : CW_ISA_SCALAR]; /* a library may have fewer kernels than the machine */
-    if (n > 1) {
-        cw_short_fn *const if_short = w->if_short[n > FEW_LANES];
-        if (if_short && if_short(field, rays, n, hits, occluded)) return;
-    }
-    const size_t alone = FEW_ALONE - (field->nx * field->ny > FEW_LARGE);
-    if (n <= alone && cw_one(field, w->one, rays, n, hits, occluded)) return;
-    w->others->trace[CW_LEAF_WATERTIGHT](field, rays, n, hits, occluded);
+    if (n <= FEW_ALONE && cw_one(field, kernel->one, rays, n, hits, occluded)) return;
+    kernel->few->trace[CW_LEAF_WATERTIGHT](field, rays, n, hits, occluded);
 }
 
 typedef struct query_job {
@@ -64,7 +39,7 @@ static void trace_piece(const query_job *q, const cw_ray *rays, size_t begin, si
     cw_hit *const hits = q->hits ? q->hits + begin : NULL;
     uint8_t *const occluded = q->hits ? NULL : q->occluded + begin;
     if (q->few) {
-        trace_few(q->how.expert.isa, q->field, rays, n, hits, occluded);
+        trace_few(q->how.expert.kernel, q->field, rays, n, hits, occluded);
         return;
     }
     q->how.expert.kernel->code->trace[q->how.expert.leaf](q->field, rays, n, hits, occluded);
@@ -108,7 +83,7 @@ static cw_status query(const cw_field *field, const cw_run *run, const cw_ray *r
         const door_pass in = door_enter(&field->door);
         if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
         const fpenv caller = fpenv_enter();
-        trace_few(cw_isa_best(), field, rays, n, hits, occluded);
+        trace_few(cw_kernel_default(cw_isa_best()), field, rays, n, hits, occluded);
         fpenv_leave(caller);
         door_leave(in);
         return CW_OK;
@@ -117,7 +92,7 @@ static cw_status query(const cw_field *field, const cw_run *run, const cw_ray *r
     q.field = field, q.rays = rays, q.user_rays = user_rays, q.hits = hits, q.occluded = occluded;
     cw_status status = cw_run_begin(run, &q.how);
     const bool forced = q.how.expert.kernel != NULL;
-    if (status == CW_OK) status = cw_run_settle(&q.how, n);
+    if (status == CW_OK) status = cw_run_settle(&q.how);
     if (status != CW_OK) return status;
     q.few = n <= CW_FEW_RAYS && !forced;
     if (n < SHARED) q.how.pool = NULL;

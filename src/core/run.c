@@ -50,11 +50,11 @@ cw_status cw_run_begin(const cw_run *run, cw_run *how) {
 /* The instruction set that run keeps within. */
 static cw_isa isa_of(const cw_run *run) { return cw_isa_common(cw_isa_best(), run ? run->expert.isa : CW_ISA_ANY); }
 
-cw_status cw_run_settle(cw_run *how, size_t n) {
+cw_status cw_run_settle(cw_run *how) {
     cw_expert *e = &how->expert;
     e->isa = isa_of(how);
     if (e->kernel == NULL) {
-        e->kernel = cw_kernel_default(e->isa, n);
+        e->kernel = cw_kernel_default(e->isa);
     } else {
         if (!cw_kernel_exists(e->kernel)) return cw_fail(CW_ERROR_KERNEL, "kernel: there is no kernel of that name");
         if (!cw_isa_includes(e->isa, e->kernel->isa))
@@ -71,7 +71,7 @@ cw_status cw_run_settle(cw_run *how, size_t n) {
 
 const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run) {
     (void)field;
-    return run && run->expert.kernel ? run->expert.kernel : cw_kernel_default(isa_of(run), SIZE_MAX);
+    return run && run->expert.kernel ? run->expert.kernel : cw_kernel_default(isa_of(run));
 }
 
 cw_status cw_run_built(const cw_field *field, const cw_run *how) {
@@ -84,7 +84,7 @@ cw_status cw_run_built(const cw_field *field, const cw_run *how) {
 cw_status cw_run_check(const cw_field *field, const cw_run *run) {
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
-    if (status == CW_OK) status = cw_run_settle(&how, SIZE_MAX);
+    if (status == CW_OK) status = cw_run_settle(&how);
     return status == CW_OK && field ? cw_run_built(field, &how) : status;
 }
 

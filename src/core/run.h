@@ -22,9 +22,9 @@ void cw_fill(void *caller, size_t size, const void *all, size_t all_size);
 /* *how becomes *run, or all zero for NULL. Fails if its leaf test or a reserved member is invalid. */
 CW_API cw_status cw_run_begin(const cw_run *run, cw_run *how);
 
-/* Sets kernel, leaf test and instruction set to those that run, for n rays or other items. Fails if there is none such here. A limit on
- * instruction sets that is set later changes nothing. */
-cw_status cw_run_settle(cw_run *how, size_t n);
+/* Sets kernel, leaf test and instruction set to those that run. Fails if there is none such here. A limit on instruction sets that is
+ * set later changes nothing. */
+cw_status cw_run_settle(cw_run *how);
 
 /* Fails if the field lacks the structure of the kernel, which has been settled. */
 cw_status cw_run_built(const cw_field *field, const cw_run *how);

@@ -7,21 +7,27 @@
 #include <string.h>
 
 /* Code for registers of that many lanes, beside the walk. */
-#define OTHER(lanes) cw_heading##lanes, cw_to_field##lanes, NULL
+#define OTHER(lanes) cw_heading##lanes, cw_to_field##lanes
+/* For few rays. Of 16 lanes half would be empty, and they take more of the stack. */
+#define FEW_4  &cw_pyramid4
+#define FEW_8  &cw_pyramid8
+#define FEW_16 &cw_pyramid8
 
 /* From the plainest to the fastest: the last one available is the default. CELLWALK_KERNELS is KERNEL(set, lanes) for each row of
  * simd/isas.cmake but the scalar one. */
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, OTHER(1)},
+    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, OTHER(1), NULL, NULL, NULL},
 #define KERNEL(set, lanes) \
-    {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, OTHER(lanes)},
+    {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, OTHER(lanes), \
+     NULL, NULL, NULL},
     CELLWALK_KERNELS
 #undef KERNEL
-    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, OTHER(1)},
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, OTHER(1), NULL, &cw_pyramid1,
+     NULL},
 #define KERNEL(set, lanes) \
     {"pyramid" #lanes, "bounds pyramid, " #lanes " lanes, single rays in pairs of " #lanes, \
-     CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, OTHER(lanes)},
+     CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, OTHER(lanes), cw_one##lanes, FEW_##lanes, NULL},
     CELLWALK_KERNELS
 #undef KERNEL
 };
@@ -75,12 +81,8 @@ const char *cw_leaf_name(cw_leaf leaf) {
     return (uint32_t)leaf < CW_LEAF_COUNT ? names[leaf] : NULL;
 }
 
-/* From so many rays on it is the fastest one; wide kernels make a tile ready before they walk. Measured for rays of a few cells, across
- * the field and beside all ground. */
-static size_t least_rays(const cw_kernel *k) { return k->width > 16 ? 9 : k->width / 4; }
-
-const cw_kernel *cw_kernel_default(cw_isa isa, size_t n) {
+const cw_kernel *cw_kernel_default(cw_isa isa) {
     size_t k = KERNEL_COUNT - 1;
-    while (k > 0 && (least_rays(&kernels[k]) > n || !cw_isa_includes(isa, kernels[k].isa))) k--;
+    while (k > 0 && !cw_isa_includes(isa, kernels[k].isa)) k--;
     return &kernels[k];
 }

@@ -11,15 +11,18 @@ enum { CW_FEW_RAYS = 8 };
 /* Traces rays[0..n) and writes hits[0..n), or occluded[0..n) if hits is NULL. Runs in the IEEE default environment. */
 typedef void cw_trace_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
-/* The same for few rays, with the watertight test; false if another walk is better, and then answers are unspecified. */
-typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
-
-/* The walk of one ray over the pyramid: src/scalar/one.h. */
+/* The walk of one ray over the pyramid from cell (i, j) on, which is low above the ground or not. CW_ONE_LONG: it has opened ONE_OPENS
+ * nodes, so it runs beside a surface, which the close walk of the pyramid kernels is made for. */
 struct strict_ray;
-struct one_find;
+enum { ONE_OPENS = 48 };
+typedef struct cw_one_find {
+    int32_t i, j; /* the cell */
+    float t0, t1; /* see strict_find */
+    bool b;
+} cw_one_find;
 typedef enum cw_one_end { CW_ONE_MISSES, CW_ONE_FOUND, CW_ONE_LONG } cw_one_end;
 typedef cw_one_end cw_one_fn(const cw_field *field, const struct strict_ray *ray, int32_t i, int32_t j, bool low,
-                             struct one_find *found);
+                             cw_one_find *found);
 
 /* Samples i to i_end, j to j_end of a rectangle, without the ends: see heading.h. */
 struct cw_heading_job;
@@ -41,6 +44,9 @@ struct cw_kernel {
     /* Other code for the same instruction set. */
     cw_heading_fn *heading;
     cw_to_field_fn *to_field;
+    /* Calls of at most CW_FEW_RAYS rays that force no kernel: the walk of one alone (NULL: there is none), and of several. */
+    cw_one_fn *one;
+    const cw_kernel_code *few;
     cw_status (*build)(cw_field *field); /* makes the field's guest, if the bounds alone do not serve it */
 };
 
@@ -50,8 +56,8 @@ extern const cw_kernel cw_kernel_none;
 /* The widest instruction set that both include; b may be CW_ISA_ANY. */
 cw_isa cw_isa_common(cw_isa a, cw_isa b);
 
-/* The best kernel for n rays within an instruction set. */
-const cw_kernel *cw_kernel_default(cw_isa isa, size_t n);
+/* The best kernel within an instruction set. */
+const cw_kernel *cw_kernel_default(cw_isa isa);
 
 /* The watertight test where the kernel has it. */
 cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
@@ -59,15 +65,12 @@ cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 /* Kernels of another library, which come before those of this one. Before the first other call, and once. */
 void cw_kernels_add(const cw_kernel *first, size_t count);
 
-/* src/scalar/cell.c */
+/* src/scalar/cell.c; cw_one: what a cw_trace_fn does, one ray after the other; false, with answers missing, if one takes long. */
 extern const cw_kernel_code cw_cell;
-
-/* src/scalar/one.c: the same as a cw_short_fn of one ray after the other. */
 bool cw_one(const cw_field *field, cw_one_fn *walk, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
 /* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the instruction sets of simd/isas.cmake */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
-cw_short_fn cw_short4, cw_short8, cw_short16;
 extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
 
 cw_one_fn cw_one4, cw_one8, cw_one16; /* simd/one_kernel.c */
