@@ -17,16 +17,12 @@
 /* One ray's hit. */
 typedef bool trace_one(const cw_field *f, const cw_ray *given, bool any, cw_hit *hit);
 
-static inline void trace_each(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded,
-                              trace_one *one) {
+static inline __attribute__((always_inline)) void trace_each(const cw_field *f, const cw_ray *rays, size_t n,
+                                                             cw_hit *hits, uint8_t *occluded, trace_one *one) {
     cw_hit unused;
-    for (size_t k = 0; k < n; k++) {
-        const bool found = one(f, &rays[k], hits == NULL, hits ? &hits[k] : &unused);
-        if (hits == NULL)
-            occluded[k] = found;
-        else if (!found)
-            hits[k] = miss();
-    }
+    for (size_t k = 0; k < n && hits == NULL; k++) occluded[k] = one(f, &rays[k], true, &unused);
+    for (size_t k = 0; k < n && hits != NULL; k++)
+        if (!one(f, &rays[k], false, &hits[k])) hits[k] = miss();
 }
 
 /* ---- brute: every ray against every triangle --------------------------------------------------------------------- */
