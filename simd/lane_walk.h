@@ -212,15 +212,15 @@ CW_INLINE lane_plane above_plane(const lane_rays *rays, const lane_axis axis[2],
     const vfloat x = vf_sub(axis[0].org, vf_add(axis[0].corner, half_side)); /* from the node's middle */
     const vfloat y = vf_sub(axis[1].org, vf_add(axis[1].corner, half_side));
     return (lane_plane){
-        vf_fnma(slope[1], y, vf_fnma(slope[0], x, vf_load(rays->f[RAY_OZ]))),
-        vf_fnma(slope[1], axis[1].dir, vf_fnma(slope[0], axis[0].dir, vf_load(rays->f[RAY_DZ]))),
+        vf_sub(vf_sub(vf_load(rays->f[RAY_OZ]), vf_mul(slope[0], x)), vf_mul(slope[1], y)),
+        vf_sub(vf_sub(vf_load(rays->f[RAY_DZ]), vf_mul(slope[0], axis[0].dir)), vf_mul(slope[1], axis[1].dir)),
     };
 }
 
 /* Number along the axis, of 0 to 3, of the child in which the ray is at t, or of an earlier one. */
 CW_INLINE vint child_at(float f[RAY_AXIS][SLOTS], const lane_axis *a, vfloat t, vfloat inverse_side) {
     const vfloat last = vf_sub(vf_load(f[RAY_LAST]), vf_set(0.5f));
-    vfloat place = vf_fma(t, a->dir, vf_load(f[RAY_EARLY]));
+    vfloat place = vf_add(vf_mul(t, a->dir), vf_load(f[RAY_EARLY]));
     place = vf_max(vf_min(place, last), vf_load(f[RAY_FIRST]));
     const vfloat number = vf_mul(vf_sub(place, a->corner), inverse_side);
     return vi_from_vf(vf_max(vf_min(number, vf_set(3)), vf_set(0))); /* in this order NaN would become 3 */
@@ -242,7 +242,7 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, 
                              vf_flip(slab[3], vf_load(rays->f[RAY_AXIS + RAY_SIGN]))};
     const lane_plane above = above_plane(rays, axis, slope, vf_mul(side, vf_set(0.5f)));
     const vfloat t = s->t, t1 = vf_min(out, vf_load(rays->f[RAY_UNTIL]));
-    const vfloat d0 = vf_fma(t, above.rate, above.origin), d1 = vf_fma(t1, above.rate, above.origin);
+    const vfloat d0 = vf_add(vf_mul(t, above.rate), above.origin), d1 = vf_add(vf_mul(t1, above.rate), above.origin);
     const vmask misses = vm_or(vf_gt(vf_min(d0, d1), high), vf_lt(vf_max(d0, d1), low));
     const vmask wanted = vf_le(t, s->leave);
     s->leave = vf_select(wanted, s->leave, vf_set(INFINITY));
@@ -253,8 +253,8 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, 
     const vfloat zero = vf_set(0), per = vf_div(vf_set(1), vf_max(vf_set(FLT_MIN), vf_abs(above.rate)));
     const vfloat before = vf_max(zero, vf_max(vf_sub(d0, high), vf_sub(low, d0)));
     const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
-    const vfloat start = vf_min(vf_max(vf_fma(before, per, t), t), t1);
-    const vfloat leave = vf_max(start, vf_min(vf_fnma(after, per, t1), vf_set(INFINITY)));
+    const vfloat start = vf_min(vf_max(vf_add(vf_mul(before, per), t), t), t1);
+    const vfloat leave = vf_max(start, vf_min(vf_sub(t1, vf_mul(after, per)), vf_set(INFINITY)));
     s->t = vf_select(enters, start, t);
     s->leave = vf_select(enters, leave, s->leave);
     const vint child_shift = vi_add(shift, vi_set(-2)), none = vi_set(0);

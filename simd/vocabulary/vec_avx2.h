@@ -13,13 +13,6 @@
 
 #include "vec_x86.h"
 
-static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) {
-    return (float_reg){_mm256_fmadd_ps(a.v, b.v, c.v)};
-}
-static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) {
-    return (float_reg){_mm256_fnmadd_ps(a.v, b.v, c.v)};
-}
-
 static inline int_reg ri_shift_right(int_reg a, int_reg by) { return (int_reg){_mm256_srlv_epi32(a.v, by.v)}; }
 static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){_mm256_sllv_epi32(a.v, by.v)}; }
 static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {

@@ -13,12 +13,6 @@
 
 #include "vec_x86.h"
 
-static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) {
-    return (float_reg){_mm512_fmadd_ps(a.v, b.v, c.v)};
-}
-static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) {
-    return (float_reg){_mm512_fnmadd_ps(a.v, b.v, c.v)};
-}
 static inline float_reg rf_abs(float_reg a) { return (float_reg){_mm512_abs_ps(a.v)}; }
 
 static inline mask_reg rf_lt(float_reg a, float_reg b) { return (mask_reg){_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ)}; }

@@ -35,8 +35,6 @@ typedef struct mask_reg {
 static inline float_reg rf_set(float a) { return (float_reg){vdupq_n_f32(a)}; }
 static inline float_reg rf_load(const float *a) { return (float_reg){vld1q_f32(a)}; }
 static inline void rf_store(float *to, float_reg a) { vst1q_f32(to, a.v); }
-static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) { return (float_reg){vfmaq_f32(c.v, a.v, b.v)}; }
-static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) { return (float_reg){vfmsq_f32(c.v, a.v, b.v)}; }
 static inline float_reg rf_min(float_reg a, float_reg b) {
     return (float_reg){vbslq_f32(vcltq_f32(a.v, b.v), a.v, b.v)};
 }

@@ -4,7 +4,7 @@
  * lane, bit for bit. Words that are operators of C (vf_add, vi_and …) are in vocabulary.h.
  *
  * float_reg, int_reg and mask_reg are three distinct types, so that a mask cannot be used as a number by mistake. Arithmetic
- * is IEEE, rounded once an operation, except in rf_fma and rf_fnma. Comparisons are false on NaN. */
+ * is IEEE, rounded once an operation. Comparisons are false on NaN. */
 #ifndef CELLWALK_SIMD_VEC_SCALAR_H
 #define CELLWALK_SIMD_VEC_SCALAR_H
 
@@ -29,10 +29,6 @@ typedef struct mask_reg {
 static inline float_reg rf_set(float a) { return (float_reg){a}; }
 static inline float_reg rf_load(const float *a) { return (float_reg){*a}; } /* W floats, any alignment */
 static inline void rf_store(float *to, float_reg a) { *to = a.v; }
-/* a b + c and c - a b, rounded once if the instruction set fuses them, else twice. For culling only, never for the
- * numbers of a hit. */
-static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) { return (float_reg){a.v * b.v + c.v}; }
-static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) { return (float_reg){c.v - a.v * b.v}; }
 /* a < b ? a : b and a > b ? a : b, so b where either is NaN. */
 static inline float_reg rf_min(float_reg a, float_reg b) { return (float_reg){a.v < b.v ? a.v : b.v}; }
 static inline float_reg rf_max(float_reg a, float_reg b) { return (float_reg){a.v > b.v ? a.v : b.v}; }

@@ -13,9 +13,6 @@
 
 #include "vec_x86.h"
 
-static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) { return (float_reg){a.v * b.v + c.v}; }
-static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) { return (float_reg){c.v - a.v * b.v}; }
-
 /* SSE4.2 has no shift by a vector: times 2^by, put together as a float. */
 static inline int_reg ri_shift_left(int_reg a, int_reg by) {
     return (int_reg){_mm_mullo_epi32(a.v, _mm_cvttps_epi32(rf_power_of_2(by).v))};

@@ -21,7 +21,7 @@ TOP = """/* SPDX-License-Identifier: Apache-2.0 */
  *
  * Without -ffast-math and -ffp-contract=fast. Programs are linked with -lm -pthread. */
 """
-# No multiply and add is fused unless the source asks for it by name: else widths disagree in their bits.
+# No multiply and add is fused: else widths disagree in their bits.
 EXACT = """#define _GNU_SOURCE
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF

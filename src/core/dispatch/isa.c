@@ -18,7 +18,7 @@ static uint64_t enabled_state(void) {
 }
 
 static cw_isa detect(void) {
-    enum { LEAF1_SSE42 = 1 << 20, LEAF1_OSXSAVE = 1 << 27, LEAF1_AVX = 1 << 28, LEAF1_FMA = 1 << 12 };
+    enum { LEAF1_SSE42 = 1 << 20, LEAF1_OSXSAVE = 1 << 27, LEAF1_AVX = 1 << 28 };
     enum { LEAF7_AVX2 = 1 << 5, LEAF7_BMI1 = 1 << 3, LEAF7_BMI2 = 1 << 8 };
     const uint32_t leaf7_avx512 = 1u << 16 | 1u << 17 | 1u << 30 | 1u << 31; /* F, DQ, BW, VL */
     const uint64_t ymm_state = 0x6, zmm_state = 0xe6;
@@ -26,7 +26,7 @@ static cw_isa detect(void) {
     uint32_t a, b, c, d;
     if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & LEAF1_SSE42)) return CW_ISA_SCALAR;
     const uint64_t state = c & LEAF1_OSXSAVE ? enabled_state() : 0;
-    if (!(c & LEAF1_AVX) || !(c & LEAF1_FMA) || (state & ymm_state) != ymm_state) return CW_ISA_SSE42;
+    if (!(c & LEAF1_AVX) || (state & ymm_state) != ymm_state) return CW_ISA_SSE42;
     if (!__get_cpuid_count(7, 0, &a, &b, &c, &d)) return CW_ISA_SSE42;
     if (!(b & LEAF7_AVX2) || !(b & LEAF7_BMI1) || !(b & LEAF7_BMI2)) return CW_ISA_SSE42;
     if ((b & leaf7_avx512) != leaf7_avx512 || (state & zmm_state) != zmm_state) return CW_ISA_AVX2;

@@ -55,8 +55,6 @@ typedef struct word_out {
 typedef enum word_result {
     GIVES_BITS,      /* the scalar vocabulary's, bit for bit, and nothing beside them */
     GIVES_NUMBERS,   /* the same, but that a NaN may be any */
-    GIVES_FMA,       /* the same, rounded once or twice */
-    GIVES_FNMA,      /* the same */
     GIVES_MASK_BITS, /* bits, a lane each */
     GIVES_ANY,       /* is_any, of all lanes */
     GIVES_LOWEST     /* each, of all lanes; zeros of either sign are the same */
