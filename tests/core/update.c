@@ -5,6 +5,7 @@
 #include "check.h"
 #include "field.h"
 #include "pyramid.h"
+#include "survey.h"
 #include "workload/random.h"
 
 #include <math.h>
@@ -12,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The last is large enough for a level above the first that is searched, and has room between rows. */
+/* The last is large enough for two levels above tiles, and has room between rows. */
 static const struct {
     size_t nx, ny, gap;
 } sizes[] = {{2, 2, 0},    {2, 70, 3},    {20, 31, 0},   {65, 65, 1},    {66, 64, 0},
@@ -161,6 +162,43 @@ static void updates_give_what_is_made_anew(void **state) {
                 free(p.z);
             }
     for (size_t t = 0; t < 4; t++) cw_pool_destroy(pool[t]);
+}
+
+/* True if all samples of the node lie within its slab, as closely as floats tell. */
+static bool slab_encloses(const cw_field *f, int level, size_t x, size_t y) {
+    const struct cw_pyramid *p = f->pyramid;
+    const size_t side = (size_t)4 << 2 * level;
+    const cw_pyramid_slab *s = &p->slab[(size_t)p->first[level + 1] + y * cw_pyramid_across(f, level) + x];
+    for (size_t j = y * side; j <= (y + 1) * side && j < f->ny; j++)
+        for (size_t i = x * side; i <= (x + 1) * side && i < f->nx; i++) {
+            const double dx = (double)i - ((double)x + 0.5) * (double)side,
+                         dy = (double)j - ((double)y + 0.5) * (double)side;
+            const double d = (double)f->z[j * f->stride + i] - (double)s->slope_x * dx - (double)s->slope_y * dy;
+            if (d < (double)s->low || d > (double)s->high) return false;
+        }
+    return true;
+}
+
+/* No other test has rays that miss a hit if these leave out a sample. */
+static void slabs_of_large_nodes_enclose_them(void **state) {
+    (void)state;
+    random_state r = {5};
+    size_t leaning = 0;
+    for (size_t s = 0; s < SIZES; s++)
+        for (int k = first_kind(s); k < KINDS; k += kind_step()) {
+            const place p = make_place(s, (kind)k, &r);
+            cw_field *f = make_field(&p, CW_BORROW, NULL);
+            for (int l = TILE_LEVEL + 1; l < f->pyramid->levels; l++)
+                for (size_t n = 0; n < cw_pyramid_across(f, l) * cw_pyramid_down(f, l); n++) {
+                    const size_t x = n % cw_pyramid_across(f, l), y = n / cw_pyramid_across(f, l);
+                    check(slab_encloses(f, l, x, y), "%zu x %zu, %s: node (%zu, %zu) of level %d", p.nx, p.ny,
+                          kind_names[k], x, y, l);
+                    leaning += f->pyramid->slab[(size_t)f->pyramid->first[l + 1] + n].slope_x != 0;
+                }
+            cw_field_destroy(f);
+            free(p.z);
+        }
+    check(leaning > 10, "%zu slabs above tiles lean", leaning);
 }
 
 static void what_is_refused_changes_nothing(void **state) {
@@ -316,9 +354,8 @@ static void refusals_do_not_depend_on_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(updates_give_what_is_made_anew),
-        cmocka_unit_test(what_is_refused_changes_nothing),
-        cmocka_unit_test(who_comes_second_is_turned_away),
+        cmocka_unit_test(updates_give_what_is_made_anew),    cmocka_unit_test(slabs_of_large_nodes_enclose_them),
+        cmocka_unit_test(what_is_refused_changes_nothing),   cmocka_unit_test(who_comes_second_is_turned_away),
         cmocka_unit_test(refusals_do_not_depend_on_threads),
     };
     alarm(LIMIT_SECONDS);
