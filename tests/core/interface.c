@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is built on the queries: rays in user space, the caller's own threads, many hits at once, places on the
+/* What is built on the queries: rays in user space, the caller's own threads, places on the
  * surface. Each gives what the plain functions give. */
 
 #include "cellwalk_expert.h"
@@ -217,29 +217,7 @@ static void threads_of_the_caller(void **state) {
     assert_null(pool);
 }
 
-/* ---- hits --------------------------------------------------------------------------------------------------------- */
-
-static double many[RAYS][3];
-
-static void hits_by_the_array(void **state) {
-    (void)state;
-    cw_status (*const kinds[])(const cw_field *, const cw_run *, const cw_hit *, size_t,
-                               double *) = {cw_hit_points, cw_hit_normals, cw_hit_phong_normals};
-    cw_pool *pool;
-    check_status(cw_pool_create(2, &pool), CW_OK);
-    for (size_t kind = 0; kind < 3; kind++)
-        for (int shared = 0; shared < 2; shared++) {
-            const cw_run how = {.pool = shared ? pool : NULL};
-            check_status(kinds[kind](field, &how, expected, RAYS, many[0]), CW_OK);
-            for (size_t k = 0; k < RAYS; k++) {
-                double v[3];
-                check_status(kinds[kind](field, NULL, &expected[k], 1, v), CW_OK);
-                check(memcmp(v, many[k], sizeof v) == 0 || (isnan(v[0]) && isnan(many[k][0])), "kind %zu, hit %zu",
-                      kind, k);
-            }
-        }
-    cw_pool_destroy(pool);
-}
+/* ---- places -------------------------------------------------------------------------------------------------------- */
 
 static bool is_hole(size_t i, size_t j) { return isnan(cw_field_row(field, j)[i]); }
 
@@ -402,7 +380,6 @@ int main(void) {
         cmocka_unit_test(a_far_origin_comes_off_exactly),
         cmocka_unit_test(rays_in_user_space),
         cmocka_unit_test(threads_of_the_caller),
-        cmocka_unit_test(hits_by_the_array),
         cmocka_unit_test(places_along_the_fields_up),
         cmocka_unit_test(places_on_the_surface),
         cmocka_unit_test(filled_structs_grow),
