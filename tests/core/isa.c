@@ -57,9 +57,6 @@ static int best(cw_isa allowed) {
     return (int)cw_isa_best();
 }
 
-/* What the machine has, where nothing bounds it. */
-static cw_isa machine(void) { return (cw_isa)in_child(NULL, best, CW_ISA_AVX512); }
-
 /* 0 if the program's limit works within what is allowed, else the number of what does not hold. */
 static int limit_within(cw_isa allowed) {
     for (int from = CW_ISA_SCALAR; from < CW_ISA_COUNT; from++)
@@ -86,28 +83,21 @@ static int limit_first(cw_isa allowed) {
     return cw_isa_best() == allowed ? 0 : 1;
 }
 
+/* Names of sets do, and other values do not. */
 static void test_the_variable_bounds_the_process(void **state) {
     (void)state;
-    const cw_isa all = machine();
+    static const char *const unknown[] = {"", "sse", "AVX2", "avx512 ", "none"};
+    enum { UNKNOWN = sizeof unknown / sizeof unknown[0] };
+    const cw_isa all = (cw_isa)in_child(NULL, best, CW_ISA_AVX512); /* what the machine has, where nothing bounds it */
     printf("this machine has %s\n", cw_isa_name(all));
-    for (int k = CW_ISA_SCALAR; k < CW_ISA_COUNT; k++) {
-        const char *name = cw_isa_name((cw_isa)k);
-        const cw_isa allowed = common(all, (cw_isa)k);
-        check(in_child(name, best, allowed) == (int)allowed, "CELLWALK_ISA=%s does not give %s", name,
+    for (int k = CW_ISA_SCALAR - UNKNOWN; k < CW_ISA_COUNT; k++) {
+        const char *value = k < CW_ISA_SCALAR ? unknown[CW_ISA_SCALAR - 1 - k] : cw_isa_name((cw_isa)k);
+        const cw_isa allowed = k < CW_ISA_SCALAR ? all : common(all, (cw_isa)k);
+        check(in_child(value, best, allowed) == (int)allowed, "CELLWALK_ISA='%s' does not give %s", value,
               cw_isa_name(allowed));
-        const int within = in_child(name, limit_within, allowed), first = in_child(name, limit_first, allowed);
-        check(within == 0, "CELLWALK_ISA=%s: cw_isa_limit within it, case %d", name, within);
-        check(first == 0, "CELLWALK_ISA=%s: cw_isa_limit comes before it", name);
-    }
-}
-
-static void test_unknown_values_bound_nothing(void **state) {
-    (void)state;
-    static const char *const values[] = {"", "sse", "AVX2", "avx512 ", "none"};
-    const cw_isa all = machine();
-    for (size_t k = 0; k < sizeof values / sizeof values[0]; k++) {
-        check(in_child(values[k], best, all) == (int)all, "CELLWALK_ISA='%s' bounds something", values[k]);
-        check(in_child(values[k], limit_within, all) == 0, "CELLWALK_ISA='%s' disturbs cw_isa_limit", values[k]);
+        const int within = in_child(value, limit_within, allowed), first = in_child(value, limit_first, allowed);
+        check(within == 0, "CELLWALK_ISA='%s': cw_isa_limit within it, case %d", value, within);
+        check(first == 0, "CELLWALK_ISA='%s': cw_isa_limit comes before it", value);
     }
 }
 
@@ -158,7 +148,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_what_includes_what),
         cmocka_unit_test(test_the_variable_bounds_the_process),
-        cmocka_unit_test(test_unknown_values_bound_nothing),
         cmocka_unit_test(test_a_run_keeps_within_its_limit),
         cmocka_unit_test(test_a_limit_does_not_reach_into_a_query),
     };
