@@ -2,6 +2,7 @@
 /* Each allocation and each start of a thread of the library's functions fails once: the status says which, what was to be
  * made is NULL, what was there works on, and no memory is lost. Queries and updates allocate nothing and start no thread. */
 
+#include "calls.h"
 #include "cellwalk_expert.h"
 #include "check.h"
 #include "faults.h"
@@ -10,24 +11,15 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SIDE = 70, RAYS = 20000, THREADS = 5 };
+enum { SIDE = 70, THREADS = 5 };
 
-static float samples[SIDE * SIDE];
-static cw_ray rays[RAYS];
-static cw_user_ray user_rays[RAYS];
-static cw_hit hits[RAYS];
-static uint8_t occluded[RAYS];
-static double points[RAYS][3];
-
-static const cw_field_desc d = {.samples = samples, .nx = SIDE, .ny = SIDE};
+static test_field land;
+static cw_field_desc d;
 
 static int set_up(void **state) {
     (void)state;
-    for (size_t k = 0; k < SIDE * SIDE; k++) samples[k] = (float)(k * 7 % 11);
-    for (size_t k = 0; k < RAYS; k++) {
-        rays[k] = (cw_ray){.org = {(float)(k % SIDE), 30.5f, 20}, .dir = {0.1f, 0, -1}, .tmax = INFINITY};
-        user_rays[k] = (cw_user_ray){.org = {(double)(k % SIDE), 30.5, 20}, .dir = {0, 0, -1}, .tmax = 100};
-    }
+    field_make_land(&land, SIDE, SIDE);
+    d = (cw_field_desc){.samples = land.z, .nx = SIDE, .ny = SIDE};
     return 0;
 }
 
@@ -36,7 +28,7 @@ typedef cw_status act(const void *context);
 
 static cw_status make_field(const void *context) {
     (void)context;
-    cw_field *field = (cw_field *)samples; /* anything but NULL */
+    cw_field *field = (cw_field *)&land; /* anything but NULL */
     const cw_status status = cw_field_create(&d, NULL, &field);
     if ((field == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT; /* which is told as another failure */
     cw_field_destroy(field);
@@ -46,13 +38,15 @@ static cw_status make_field(const void *context) {
 /* Built anew after a failure, and asked. */
 static cw_status build(const void *context) {
     const cw_kernel *kernel = context;
+    const cw_ray ray = {.org = {30, 30.5f, 2000}, .dir = {0.1f, 0, -1}, .tmax = INFINITY};
     cw_field *field;
+    cw_hit hit;
     cw_status status = cw_field_create(&d, &(cw_run){.expert.kernel = cw_kernel_find("cell")}, &field);
     if (status != CW_OK) return status;
     status = cw_field_build(field, &(cw_run){.expert.kernel = kernel});
     const cw_run q = {.expert.kernel = kernel};
     if (status != CW_OK && (cw_field_build(field, &(cw_run){.expert.kernel = kernel}) != CW_OK ||
-                            cw_closest(field, &q, rays, 10, hits) != CW_OK))
+                            cw_closest(field, &q, &ray, 1, &hit) != CW_OK))
         status = CW_ERROR_ARGUMENT;
     cw_field_destroy(field);
     return status;
@@ -60,7 +54,7 @@ static cw_status build(const void *context) {
 
 static cw_status make_pool(const void *context) {
     (void)context;
-    cw_pool *pool = (cw_pool *)samples;
+    cw_pool *pool = (cw_pool *)&land;
     const cw_status status = cw_pool_create(THREADS, &pool);
     if ((pool == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT;
     cw_pool_destroy(pool);
@@ -75,7 +69,7 @@ static void run_one(void *context, cw_task_fn *task, void *argument, uint32_t co
 static cw_status make_pool_on(const void *context) {
     (void)context;
     const cw_tasks tasks = {.threads = 2, .run = run_one};
-    cw_pool *pool = (cw_pool *)samples;
+    cw_pool *pool = (cw_pool *)&land;
     const cw_status status = cw_pool_create_on(&tasks, &pool);
     if ((pool == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT;
     cw_pool_destroy(pool);
@@ -128,28 +122,27 @@ static bool go_on(void *context, double done) {
 
 static void queries_ask_for_nothing(void **state) {
     (void)state;
-    cw_field *field = field_of(samples, SIDE, SIDE);
+    cw_field *field = calls_begin(&land, NULL);
     cw_pool *pool;
     check_status(cw_pool_create(2, &pool), CW_OK);
     for (size_t k = 0; k < cw_kernel_count(); k++) {
-        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-        cw_run q = {.expert.kernel = cw_kernel_at(k), .pool = pool, .watch = k % 2 ? go_on : NULL};
+        const cw_run q = {.expert.kernel = cw_kernel_at(k), .pool = pool, .watch = k % 2 ? go_on : NULL};
+        const cw_kernel_info info = cw_kernel_describe(q.expert.kernel);
         if (!info.available) continue;
-        check_status(cw_field_build(field, &(cw_run){.expert.kernel = q.expert.kernel}), CW_OK);
-        const size_t n = strcmp(info.name, "brute") != 0 ? RAYS : 5000; /* brute force takes its time */
-        faults_begin(FAULT_MEMORY, 0);
-        const cw_update update = {.at = {3, 3, 66, 60}, .samples = samples, .stride = SIDE};
-        const cw_status status[] = {
-            cw_closest(field, &q, rays, n, hits),           cw_occluded(field, &q, rays, n, occluded),
-            cw_closest_user(field, &q, user_rays, n, hits), cw_occluded_user(field, &q, user_rays, n, occluded),
-            cw_hit_points(field, &q, hits, n, points[0]),   cw_field_update(field, &q, &update)};
-        const fault_counts counts = faults_end();
-        for (size_t s = 0; s < sizeof status / sizeof status[0]; s++) check_status(status[s], CW_OK);
-        check(counts.calls[FAULT_MEMORY] == 0 && counts.calls[FAULT_THREAD] == 0, "%s: %lu allocations, %lu threads",
-              info.name, counts.calls[FAULT_MEMORY], counts.calls[FAULT_THREAD]);
+        for (size_t c = 0; c < every_calls_count; c++) {
+            if (every_calls[c].allocates) continue;
+            check_status(cw_field_build(field, &(cw_run){.expert.kernel = q.expert.kernel}), CW_OK);
+            faults_begin(FAULT_MEMORY, 0);
+            const cw_status status = every_calls[c].make(&q);
+            const fault_counts counts = faults_end();
+            check_status(status, CW_OK);
+            check(counts.calls[FAULT_MEMORY] == 0 && counts.calls[FAULT_THREAD] == 0,
+                  "%s by %s: %lu allocations, %lu threads", every_calls[c].name, info.name, counts.calls[FAULT_MEMORY],
+                  counts.calls[FAULT_THREAD]);
+        }
     }
     cw_pool_destroy(pool);
-    cw_field_destroy(field);
+    calls_end();
 }
 
 int main(void) {

@@ -11,6 +11,7 @@ typedef struct every_call {
     /* On the field that calls_begin has made. CW_OK if all went as it should. */
     cw_status (*make)(const cw_run *run);
     bool unwatched; /* no watch is called, or terrain/areas.c looks at it */
+    bool allocates; /* memory or threads; others must not */
 } every_call;
 
 extern const every_call every_calls[];
