@@ -13,8 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { SAMPLE = 512 };
-
 static json_t *result_line(const tested *t, aim kind, aim_start start, const counts *c) {
     static const char *const roles[] = {"reference", "same-bits", "own-rules"};
     json_t *line = json_object(), *verdicts = json_object();
@@ -30,7 +28,7 @@ static json_t *result_line(const tested *t, aim kind, aim_start start, const cou
 
 static bool write_lines(io_output *out, const stability *s, size_t batches, io_error *error) {
     json_t *run = run_record("stability", 0, -1);
-    results_set_counts(run, "batches sample", (size_t[]){batches, SAMPLE});
+    results_set_counts(run, "batches sample", (size_t[]){batches, s->sample});
     bool good = results_write(out, run, error);
     for (unsigned n = 0; n < s->contenders; n++)
         for (int k = 0; good && k < AIM_COUNT * START_COUNT; k++) {
@@ -78,7 +76,8 @@ int main(int argc, char **argv) {
         file ? (stability_shares){16, 128, peer_embree.version ? 16 : 0} : (stability_shares){8, 31, 0};
     io_error error = {{0}};
     io_output out = {0};
-    bool good = (file == NULL || io_output_open(&out, file, &error)) && stability_make(&s, shares, SAMPLE, &error);
+    bool good =
+        (file == NULL || io_output_open(&out, file, &error)) && stability_make(&s, shares, file ? 1024 : 512, &error);
     for (size_t n = 0; good && n < batches; n++) {
         stability_batch(&s, n);
         if (file && n % 100 == 99)
