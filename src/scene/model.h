@@ -75,8 +75,8 @@ struct scene {
     size_t texture_count;
 };
 
-/* Fills s, which is all zero, from a .pbrt file and all that it includes. With fields_only, height fields may stand outside
- * of a world, stay in field space, and no image is read. On failure s may hold parts, which are the caller's to free. */
-bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *warn, void *warn_context, io_error *error);
+/* Fills s, which is all zero, from a .pbrt file and all that it includes. On failure s may hold parts,
+ * which are the caller's to free. */
+bool pbrt_parse(const char *path, scene *s, scene_warn_fn *warn, void *warn_context, io_error *error);
 
 #endif

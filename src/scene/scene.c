@@ -22,38 +22,15 @@ void scene_free(scene *s) {
     free(s);
 }
 
-static scene *load(const char *path, bool fields_only, scene_warn_fn *warn, void *warn_context, io_error *error) {
+scene *scene_load(const char *path, scene_warn_fn *warn, void *warn_context, io_error *error) {
     scene *s = calloc(1, sizeof *s);
     if (s == NULL) {
         io_fail(error, "%s: out of memory", path);
         return NULL;
     }
-    if (pbrt_parse(path, fields_only, s, warn, warn_context, error)) return s;
+    if (pbrt_parse(path, s, warn, warn_context, error)) return s;
     scene_free(s);
     return NULL;
-}
-
-scene *scene_load(const char *path, scene_warn_fn *warn, void *warn_context, io_error *error) {
-    return load(path, false, warn, warn_context, error);
-}
-
-cw_field *scene_load_heightfield(const char *path, const cw_run *run, io_error *error) {
-    scene *s = load(path, true, NULL, NULL, error);
-    if (s == NULL) return NULL;
-    cw_field *field = NULL;
-    if (s->heightfield_count != 1) {
-        io_fail(error, "%s: holds %zu height fields, not one", path, s->heightfield_count);
-    } else {
-        const heightfield *h = &s->heightfields[0];
-        cw_field_desc desc = {0};
-        desc.samples = h->samples;
-        desc.nx = h->nx;
-        desc.ny = h->ny;
-        const cw_status status = cw_field_create(&desc, run, &field);
-        if (status != CW_OK) io_fail(error, "%s: %s", path, cw_last_error());
-    }
-    scene_free(s);
-    return field;
 }
 
 size_t scene_field_count(const scene *s) { return s->heightfield_count; }

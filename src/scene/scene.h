@@ -15,10 +15,6 @@ typedef void scene_warn_fn(void *context, const char *message);
 scene *scene_load(const char *path, scene_warn_fn *warn, void *warn_context, io_error *error);
 void scene_free(scene *s);
 
-/* The height field of a file that holds exactly one, with or without a scene around it: the samples as written, field
- * space as user space; run as for cw_field_create. The caller owns it. NULL on failure. */
-cw_field *scene_load_heightfield(const char *path, const cw_run *run, io_error *error);
-
 /* The scene's height fields in the order of the file; owned by the scene. */
 size_t scene_field_count(const scene *s);
 cw_field *scene_field(scene *s, size_t number);

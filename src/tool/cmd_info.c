@@ -2,13 +2,11 @@
 /* `cellwalk info`: this machine's kernels, and the contents and cost of a field. */
 
 #include "cellwalk_expert.h"
-#include "clock.h"
 #include "command.h"
 #include "cpus.h"
 #include "field_options.h"
 #include "json.h"
 #include "proc.h"
-#include "progress.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -58,8 +56,7 @@ static void print_machine(bool json) {
 typedef struct survey {
     raster_field file;
     cw_field_info info;
-    bool header;         /* samples are not read: there are many, and nobody asked for them */
-    double read_seconds; /* from the file's name to the field, without building */
+    bool header; /* samples are not read: there are many, and nobody asked for them */
 } survey;
 
 /* Size, map and place alone of a raster of many samples. */
@@ -70,7 +67,6 @@ static bool look_at_header(const char *path, const io_raster_options *options, s
     o.no_samples = true;
     o.progress = NULL;
     o.warn = NULL; /* until it is known that samples are not read, whose reading warns of the header too */
-    if (field_is_scene(path)) return true;
     if (!io_raster_read(path, &o, r, error)) return false;
     s->header = r->nx > many / r->ny;
     s->info = (cw_field_info){.nx = r->nx, .ny = r->ny};
@@ -78,14 +74,6 @@ static bool look_at_header(const char *path, const io_raster_options *options, s
     if (s->header) o.warn = options->warn;
     io_raster_free(r);
     return !s->header || io_raster_read(path, &o, r, error);
-}
-
-static bool look_at_field(const char *path, const field_options *options, survey *s, io_error *error) {
-    const double start = clock_seconds();
-    if (!field_options_open(options, path, &s->file, error)) return false;
-    s->info = cw_field_describe(s->file.field);
-    s->read_seconds = clock_seconds() - start - cw_field_build_seconds(s->file.field);
-    return true;
 }
 
 static double sample_bytes(const cw_field_info *info) { return (double)info->nx * (double)info->ny * sizeof(float); }
@@ -143,15 +131,6 @@ static void print_place(const io_raster *r) {
     putchar('\n');
 }
 
-static void print_cost(const survey *s) {
-    const cw_field_info *f = &s->info;
-    printf("  memory        %.0f bytes of samples, %zu bytes built: %.2f bytes a cell\n", sample_bytes(f),
-           f->bytes_built, bytes_per_cell(f));
-    printf("  read          %.6f s\n", s->read_seconds);
-    printf("  built         %.6f s, for kernel %s\n", cw_field_build_seconds(s->file.field),
-           cw_kernel_describe(s->file.kernel).name);
-}
-
 /* Facts on the terrain first, then the cost of the field. */
 static void print_field(const char *path, const survey *s) {
     const cw_field_info *f = &s->info;
@@ -172,7 +151,9 @@ static void print_field(const char *path, const survey *s) {
     if (r->georef.scale != 0)
         printf("  stored        heights are %.9g + %.9g x the file's numbers\n", r->georef.offset, r->georef.scale);
     printf("  samples       %zu x %zu (%zu x %zu cells)\n", f->nx, f->ny, f->nx - 1, f->ny - 1);
-    if (!s->header) print_cost(s);
+    if (!s->header)
+        printf("  memory        %.0f bytes of samples, %zu bytes built for kernel %s: %.2f bytes a cell\n",
+               sample_bytes(f), f->bytes_built, cw_kernel_describe(s->file.kernel).name, bytes_per_cell(f));
     puts("  user space    rows of the map from (x, y, z, 1):");
     for (int k = 0; k < 3; k++)
         printf("                %.17g %.17g %.17g %.17g\n", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],
@@ -186,10 +167,8 @@ static void print_field_json(const char *path, const survey *s) {
     const bool some = !s->header && f->low <= f->high;
     json_print(stdout, ", 'field': {'path': %s, 'nx': %u, 'ny': %u, 'low': %g, 'high': %g, 'holes': %u, ", path, f->nx,
                f->ny, some ? (double)f->low : NAN, some ? (double)f->high : NAN, f->holes);
-    json_print(stdout,
-               "'bytes_samples': %u, 'bytes_built': %u, 'bytes_per_cell': %g, 'read_seconds': %g, 'build_seconds': %g",
-               (size_t)sample_bytes(f), f->bytes_built, bytes_per_cell(f), s->read_seconds,
-               s->header ? 0 : cw_field_build_seconds(s->file.field));
+    json_print(stdout, "'bytes_samples': %u, 'bytes_built': %u, 'bytes_per_cell': %g", (size_t)sample_bytes(f),
+               f->bytes_built, bytes_per_cell(f));
     if ((r->z || s->header) && g->placed) {
         const place p = find_place(r);
         json_print(stdout, ", 'extent': [%G, %G, %G, %G], 'cell_size': [%G, %G], 'degrees': %b", p.low[0], p.low[1],
@@ -205,11 +184,14 @@ static void print_field_json(const char *path, const survey *s) {
 }
 
 static int show(const char *path, const field_options *options, bool json, bool samples) {
-    survey s = {.read_seconds = 0};
+    survey s = {0};
     io_error error = {""};
     bool good =
         path == NULL || samples || options->coarser.factor > 0 || look_at_header(path, &options->reading, &s, &error);
-    good = good && (path == NULL || s.header || look_at_field(path, options, &s, &error));
+    if (good && path != NULL && !s.header &&
+        (good = raster_field_open(&s.file, path, &options->reading, &options->coarser, &options->query, &options->watch,
+                                  &error)))
+        s.info = cw_field_describe(s.file.field);
     progress_end();
     if (!good) return command_fail("info", "%s", error.text);
     const cw_kernel *chosen = path ? s.file.kernel : cw_run_kernel(NULL, &options->query);
@@ -234,12 +216,13 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = "info",
         .synopsis = "[FIELD] [OPTIONS]",
-        .what = "Prints the contents and the cost of a height field, or without FIELD the kernels that this machine "
-                "can run.\n\n"
-                "With FIELD: its extent, cell size, coordinate system, heights and holes, then its size, its memory in "
-                "bytes, and the seconds of reading it and of building the structure of the chosen kernel. Without "
-                "FIELD: the CPU, its instruction set as far as the system supports it, and the kernels (ways to find "
-                "hits) with the chosen one.\n\n" FIELD_FILE_HELP,
+        .what =
+            "Prints the contents and the cost of a height field, or without FIELD the kernels that this machine "
+            "can run.\n\n"
+            "With FIELD: its extent, cell size, coordinate system, heights and holes, then its size and its memory in "
+            "bytes, with the structures of the chosen kernel. Without FIELD: the CPU, its instruction set as far as "
+            "the system supports it, and the kernels (ways to find "
+            "hits) with the chosen one.\n\n" FIELD_FILE_HELP,
         .examples = "  cellwalk info\n"
                     "  cellwalk info dem.tif\n"
                     "  cellwalk info --isa sse4.2        # the kernel chosen without AVX2\n"

@@ -5,13 +5,13 @@
 #include "command.h"
 #include "field_options.h"
 #include "image.h"
-#include "progress.h"
 #include "scene.h"
 #include "terrain/view.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static const char name[] = "render";
 
@@ -20,13 +20,11 @@ enum { SIDE_MOST = 65536 };
 
 typedef struct render_command {
     field_options fields;
-    view_options view;
+    view view; /* of a terrain; size, smoothness and quiet also of a scene */
     const char *output, *size, *crop;
     unsigned samples;
-    bool phong, quiet;
-    bool terrain;         /* not a scene */
-    size_t width, height; /* from size; 0: as the scene says */
-    scene_crop part;      /* from crop */
+    bool terrain;    /* not a scene */
+    scene_crop part; /* from crop */
 } render_command;
 
 static void warn(void *context, const char *message) {
@@ -44,11 +42,11 @@ static int render(const render_command *c, scene *s, double begun) {
     const scene_render_options options = {.query = c->fields.query,
                                           .threads = c->fields.threads,
                                           .samples = c->samples,
-                                          .width = c->width,
-                                          .height = c->height,
+                                          .width = c->view.width,
+                                          .height = c->view.height,
                                           .crop = c->part,
-                                          .phong = c->phong,
-                                          .progress = c->quiet ? NULL : tell};
+                                          .phong = c->view.smooth,
+                                          .progress = c->view.quiet ? NULL : tell};
     io_output out;
     io_image image;
     io_error error;
@@ -59,10 +57,11 @@ static int render(const render_command *c, scene *s, double begun) {
     good = good && io_image_put(&out, &image, &error) && io_output_commit(&out, &error);
     io_output_discard(&out); /* nothing after the commit */
     /* Every visible point of the ground traces a shadow ray, of water a mirrored one. */
-    if (good && c->terrain && !c->quiet && stats.shadow_rays + stats.mirror_rays == 0)
+    if (good && c->terrain && !c->view.quiet && stats.shadow_rays + stats.mirror_rays == 0)
         warn(NULL, "nothing of the terrain is in the picture; --from and --to are places on its map");
     if (good)
-        command_wrote(name, c->quiet, c->output, begun, "%zu x %zu pixels", (size_t)image.width, (size_t)image.height);
+        command_wrote(name, c->view.quiet, c->output, begun, "%zu x %zu pixels", (size_t)image.width,
+                      (size_t)image.height);
     io_image_free(&image);
     return good ? EXIT_SUCCESS : command_fail(name, "%s", error.text);
 }
@@ -70,20 +69,19 @@ static int render(const render_command *c, scene *s, double begun) {
 static int render_scene(const render_command *c, const char *path) {
     io_error error;
     const double start = clock_seconds();
-    scene *s = scene_load(path, c->quiet ? NULL : warn, NULL, &error);
+    scene *s = scene_load(path, c->view.quiet ? NULL : warn, NULL, &error);
     if (s == NULL) return command_fail(name, "%s", error.text);
     const int status = render(c, s, start);
     scene_free(s);
     return status;
 }
 
-static int render_terrain(const render_command *c, const char *path) {
+static int render_terrain(render_command *c, const char *path) {
+    io_error error;
     const double start = clock_seconds();
-    int status;
-    view *v = view_open(&c->view, &c->fields, path, c->width, c->height, c->phong, c->quiet, &status);
-    if (v == NULL) return status;
-    status = render(c, view_scene(v), start);
-    view_close(v);
+    const bool good = view_open(&c->view, &c->fields, path, &error);
+    const int status = good ? render(c, c->view.scene, start) : command_fail(name, "%s", error.text);
+    view_close(&c->view);
     return status;
 }
 
@@ -97,35 +95,21 @@ static bool check_scene(const char *path) {
     return true;
 }
 
-/* Whole numbers with a separator between each two, and nothing else. */
-static bool read_numbers(const char *text, char separator, size_t count, size_t numbers[]) {
-    for (size_t k = 0; k < count; k++) {
-        if (k > 0 && *text++ != separator) return false;
-        if (*text < '0' || *text > '9') return false;
-        for (numbers[k] = 0; *text >= '0' && *text <= '9'; text++) {
-            numbers[k] = numbers[k] * 10 + (size_t)(*text - '0');
-            if (numbers[k] > SIDE_MOST) return false;
-        }
-    }
-    return *text == '\0';
-}
-
-/* False, after a message, if a size or a crop is none. */
+/* False, after a message, if a size or a crop is none: whole numbers with a separator between each two. */
 static bool read_area(render_command *c) {
-    size_t n[4];
-    if (c->size != NULL) {
-        if (!read_numbers(c->size, 'x', 2, n) || n[0] == 0 || n[1] == 0)
-            return command_refuse(name, "--size %s: not a width and a height from 1 to %d, as in 800x600", c->size,
-                                  SIDE_MOST);
-        c->width = n[0];
-        c->height = n[1];
-    }
-    if (c->crop != NULL) {
-        if (!read_numbers(c->crop, ',', 4, n) || n[0] >= n[2] || n[1] >= n[3])
-            return command_refuse(name, "--crop %s: not X0,Y0,X1,Y1 with X0 < X1 <= %d and Y0 < Y1 <= %d", c->crop,
-                                  SIDE_MOST, SIDE_MOST);
-        c->part = (scene_crop){n[0], n[1], n[2], n[3]};
-    }
+    const char *size = c->size ? c->size : "1x1", *crop = c->crop ? c->crop : "0,0,1,1";
+    unsigned n[2], m[4];
+    char rest;
+    if (strspn(size, "0123456789x") != strlen(size) || sscanf(size, "%5ux%5u%c", &n[0], &n[1], &rest) != 2 ||
+        n[0] == 0 || n[1] == 0 || n[0] > SIDE_MOST || n[1] > SIDE_MOST)
+        return command_refuse(name, "--size %s: not a width and a height from 1 to %d, as in 800x600", size, SIDE_MOST);
+    if (strspn(crop, "0123456789,") != strlen(crop) ||
+        sscanf(crop, "%5u,%5u,%5u,%5u%c", &m[0], &m[1], &m[2], &m[3], &rest) != 4 || m[0] >= m[2] || m[1] >= m[3] ||
+        m[2] > SIDE_MOST || m[3] > SIDE_MOST)
+        return command_refuse(name, "--crop %s: not X0,Y0,X1,Y1 with X0 < X1 <= %d and Y0 < Y1 <= %d", crop, SIDE_MOST,
+                              SIDE_MOST);
+    if (c->size) c->view.width = n[0], c->view.height = n[1];
+    if (c->crop) c->part = (scene_crop){m[0], m[1], m[2], m[3]};
     return true;
 }
 
@@ -143,8 +127,8 @@ static int run(int argc, char **argv) {
                     "width and height in pixels (default: as in the scene; 1200x800 for a terrain)"),
         option_text("crop", "X0,Y0,X1,Y1", &c.crop,
                     "only the part from pixel (X0, Y0) up to and without (X1, Y1), counted from the upper left corner"),
-        option_flag("phong", &c.phong, "smooth height fields by Phong normals"),
-        option_flag("quiet", &c.quiet, "print neither progress nor warnings nor the line at the end"),
+        option_flag("phong", &c.view.smooth, "smooth height fields by Phong normals"),
+        option_flag("quiet", &c.view.quiet, "print neither progress nor warnings nor the line at the end"),
         option_text("from", "X,Y[,H]", &c.view.from,
                     "the eye's place on the map, H metres above ground (default: 2), or X,Y,=Z at an absolute height "
                     "in metres; without --from the eye is south of the terrain and sees all of it"),
@@ -200,14 +184,16 @@ static int run(int argc, char **argv) {
     const char *path = NULL;
     const int status = field_options_parse(&c.fields, &usage, FIELD_KERNELS, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
-    c.terrain = !field_is_scene(path);
+    const char *ending = strrchr(path, '.');
+    c.terrain = ending == NULL || strcasecmp(ending, ".pbrt") != 0;
     if ((!c.terrain && !check_scene(path)) || !read_area(&c)) return EXIT_USAGE;
     io_error error;
     if (c.output == NULL || !io_image_can_write(c.output, &error)) {
         command_fail(name, "%s", c.output ? error.text : "no picture to write to: -o IMAGE is missing");
         return EXIT_USAGE;
     }
-    return c.terrain ? render_terrain(&c, path) : render_scene(&c, path);
+    if (!c.terrain) return render_scene(&c, path);
+    return view_check(&c.view) ? render_terrain(&c, path) : EXIT_USAGE;
 }
 
 const command command_render = {name, "draw a terrain from a place on it, or render a pbrt scene", run};

@@ -9,7 +9,6 @@
 #include "inputs.h"
 #include "json.h"
 #include "npy.h"
-#include "progress.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -122,7 +121,8 @@ static bool prepare(trace *t, const char *rays, io_error *error) {
     if (t->hits && !create_hits(t, error)) return false;
     const cw_status status = cw_pool_create(t->options.threads, &t->query->pool);
     if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
-    if (!field_options_open(&t->options, t->path, &t->field, error)) return false;
+    const field_options *f = &t->options;
+    if (!raster_field_open(&t->field, t->path, &f->reading, &f->coarser, &f->query, &f->watch, error)) return false;
     if (t->user && t->field.raster.georef.geographic)
         command_warn("trace",
                      "%s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp -t_srs EPSG:... "
@@ -246,7 +246,7 @@ static int run(int argc, char **argv) {
                                  .operand_most = 2};
     const char *operands[2];
     t.query = &t.options.query;
-    const int status = field_options_parse(&t.options, &usage, FIELD_KERNELS, argc, argv, operands);
+    const int status = field_options_parse(&t.options, &usage, FIELD_LEAVES, argc, argv, operands);
     if (status != OPTIONS_GO) return status;
     t.path = operands[0];
     return check(&t) ? run_request(&t, operands[1]) : EXIT_USAGE;

@@ -4,19 +4,16 @@
 #include "command.h"
 #include "gdal_host.h"
 #include "number.h"
-#include "progress.h"
-#include "scene.h"
 
 #include <math.h>
 #include <string.h>
-#include <strings.h>
 
 static const char *filter_names(size_t number) {
     static const char *const names[] = {"mean", "highest", "lowest"};
     return number < sizeof names / sizeof *names ? names[number] : NULL;
 }
 
-enum { RASTER = 7, ROWS = RASTER + FIELD_KERNELS };
+enum { RASTER = 7, ROWS = RASTER + FIELD_LEAVES };
 
 /* Of queries the last ones. Sets *f to nothing given. */
 static size_t add_rows(field_options *f, field_queries queries, option_spec *to) {
@@ -37,10 +34,10 @@ static size_t add_rows(field_options *f, field_queries queries, option_spec *to)
         option_choice("filter", "NAME", &f->coarser.filter, filter_names,
                       "with --coarser: a height is the weighted mean of the samples around it (default), or such that "
                       "the surface is nowhere below (highest) or nowhere above (lowest) the full one"),
-        option_choice("kernel", "NAME", &f->kernel, option_kernel_names,
-                      "the kernel that finds hits; `cellwalk info` explains them (default: the best for this CPU)"),
         option_choice("leaf", "NAME", &f->leaf, option_leaf_names,
                       "the test of a ray against a cell (default: as `cellwalk info` shows)"),
+        option_choice("kernel", "NAME", &f->kernel, option_kernel_names,
+                      "the kernel that finds hits; `cellwalk info` explains them (default: the best for this CPU)"),
         option_choice("isa", "NAME", &f->isa, option_isa_names,
                       "the highest instruction set to use, up to that of the variable CELLWALK_ISA"),
         option_count("threads", "N", &f->threads, 0, 4096, "number of threads; 0: one for each CPU (default)"),
@@ -60,7 +57,6 @@ static bool tell(void *context, const char *step, double share) {
 }
 
 static bool tell_reading(void *context, double share) { return tell(context, "reading", share); }
-static bool tell_building(void *context, double share) { return tell(context, "building", share); }
 
 static bool resolve_query(field_options *f) {
     cw_run *query = &f->query;
@@ -108,23 +104,4 @@ int field_options_parse(field_options *f, const options_usage *usage, field_quer
     f->name = usage->name;
     const int status = options_parse(&all, argc, argv, operands);
     return status != OPTIONS_GO || (resolve_query(f) && resolve_reading(f)) ? status : EXIT_USAGE;
-}
-
-bool field_is_scene(const char *path) {
-    const char *ending = strrchr(path, '.');
-    return ending != NULL && strcasecmp(ending, ".pbrt") == 0;
-}
-
-bool field_options_open(const field_options *f, const char *path, raster_field *field, io_error *error) {
-    if (!field_is_scene(path))
-        return raster_field_open(field, path, &f->reading, &f->coarser, &f->query, &f->watch, error);
-    cw_run how = f->query;
-    how.watch = tell_building;
-    *field = (raster_field){.map = {{1}, {0, 1}, {0, 0, 1}}, .field = scene_load_heightfield(path, &how, error)};
-    if (field->field == NULL) return false;
-    field->kernel = cw_run_kernel(field->field, &f->query);
-    if (f->coarser.factor == 0 || raster_field_coarsen(field, path, &f->coarser, &f->query, &f->watch, error))
-        return true;
-    raster_field_close(field);
-    return false;
 }

@@ -23,8 +23,13 @@ typedef struct field_options {
     double nodata_values[OPTION_AGAIN_MAX];
 } field_options;
 
-/* How many of the options kernel, leaf, isa, threads a subcommand has, from the last on. */
-typedef enum field_queries { FIELD_NO_QUERIES = 0, FIELD_THREADS = 2, FIELD_KERNELS = 4 } field_queries;
+/* How many of the options leaf, kernel, isa, threads a subcommand has, from the last on. */
+typedef enum field_queries {
+    FIELD_NO_QUERIES = 0,
+    FIELD_THREADS = 2,
+    FIELD_KERNELS = 3,
+    FIELD_LEAVES = 4
+} field_queries;
 
 /* options_parse with these options behind those of usage, at most FIELD_OWN_MOST, and a check of their values. The instruction
  * set is limited from now on. */
@@ -32,16 +37,11 @@ enum { FIELD_OWN_MOST = 40 };
 int field_options_parse(field_options *f, const options_usage *usage, field_queries queries, int argc, char **argv,
                         const char **operands);
 
-/* A field from any file that holds one: a raster, or a scene (.pbrt). As raster_field_open. */
-bool field_options_open(const field_options *f, const char *path, raster_field *field, io_error *error);
-
-/* Whether a name ends in .pbrt. */
-bool field_is_scene(const char *path);
-
 #define FIELD_FILE_HELP                                                                                                \
-    "FIELD is a height field: a NumPy array (.npy: two-dimensional, float32, float64, int16 or uint16), the only "     \
-    "heightfield of a scene (.pbrt), or any other raster that GDAL reads (GeoTIFF, ASCII grid, .hgt, VRT, PGM, ...). " \
-    "Sample [j, i] stands at x = i, y = j of field space; NaN, infinity and missing data are holes.\n"
+    "FIELD is a height field: a NumPy array (.npy: two-dimensional, float32, float64, int16 or uint16), or any other " \
+    "raster that GDAL reads (GeoTIFF, ASCII grid, .hgt, VRT, PGM, ...). Sample [j, i] stands at x = i, y = j of "      \
+    "field "                                                                                                           \
+    "space; NaN, infinity and missing data are holes.\n"
 
 /* What --coarser gains and costs, by papers/tradeoff.md. */
 #define FIELD_TRADE                                                                                                    \

@@ -6,7 +6,6 @@
 #include "image.h"
 #include "inputs.h"
 #include "output.h"
-#include "progress.h"
 #include "raster_out.h"
 #include "reference.h"
 

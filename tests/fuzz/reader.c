@@ -106,7 +106,6 @@ static void read_scene(const uint8_t *data, size_t size) {
     }
     io_error error;
     scene_free(scene_load(paths[SCENE], pass_over, NULL, &error));
-    cw_field_destroy(scene_load_heightfield(paths[SCENE], NULL, &error));
 }
 
 static const struct reader {

@@ -155,7 +155,8 @@ def test_pages(tmp_path):
     (tmp_path / "a.npy").touch()  # the only file that there is to complete
     (tmp_path.parent / "complete.bash").write_text(COMPLETE)
     home = str(tmp_path.parent / "home")  # nobody's own settings
-    settings = {"HOME": home, "XDG_CONFIG_HOME": home, "XDG_DATA_HOME": home, "TERM": "dumb"}
+    settings = {"HOME": home, "XDG_CONFIG_HOME": home, "XDG_DATA_HOME": home, "TERM": "dumb",
+                "PATH": f"{os.path.dirname(program)}:{os.environ['PATH']}"}
 
     def check_completion(line, wanted):
         """bash completes the last of the words. What it offers is the list, in any order."""

@@ -15,6 +15,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#define HEAD "LookAt 0 0 0 0 0 1 0 1 0\nCamera \"perspective\"\nWorldBegin\n"
+
 /* Writes a text file and returns its name. */
 static const char *written(const char *name, const char *text) {
     scratch_write(name, text, strlen(text));
@@ -90,15 +92,16 @@ static void samples_are_rounded_once(void **state) {
     halfway_texts(texts + 8, RANDOM);
     static char file[SIDE * SIDE * 50 + 200];
     size_t used = (size_t)snprintf(
-        file, sizeof file, "Shape \"heightfield\" \"integer nu\" %d \"integer nv\" %d \"float Pz\" [", SIDE, SIDE);
+        file, sizeof file, HEAD "Shape \"heightfield\" \"integer nu\" %d \"integer nv\" %d \"float Pz\" [", SIDE, SIDE);
     for (int k = 0; k < SIDE * SIDE; k++)
         used += (size_t)snprintf(file + used, sizeof file - used, "%s%s", texts[k],
-                                 k + 1 == SIDE * SIDE ? "]"
+                                 k + 1 == SIDE * SIDE ? "]\nWorldEnd\n"
                                  : k % 7 == 3         ? "\t# word\n"
                                                       : " ");
     io_error error = {""};
-    cw_field *field = scene_load_heightfield(written("halfway.pbrt", file), NULL, &error);
-    check(field != NULL, "%s", error.text);
+    scene *s = scene_load(written("halfway.pbrt", file), NULL, NULL, &error);
+    check(s != NULL, "%s", error.text);
+    const cw_field *field = scene_field(s, 0);
     int doubled = 0;
     for (size_t k = 0; k < SIDE * SIDE; k++) {
         const float sample = cw_field_row(field, k / SIDE)[k % SIDE], wanted = plain_float(texts[k]);
@@ -107,10 +110,9 @@ static void samples_are_rounded_once(void **state) {
         doubled += (float)plain_double(texts[k]) != wanted;
     }
     check(doubled > SIDE, "only %d texts tell one rounding from two", doubled);
-    cw_field_destroy(field);
+    scene_free(s);
 }
 
-#define HEAD  "LookAt 0 0 0 0 0 1 0 1 0\nCamera \"perspective\"\nWorldBegin\n"
 #define PLAIN "Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2 \"float Pz\" [0 0 0 0]\n"
 
 /* Each text is a whole file, message what follows its name. */
@@ -284,12 +286,6 @@ static void unreadable_images_are_named(void **state) {
     load_fails(written("broken.pbrt", file), message);
     snprintf(file, sizeof file, text, "gone.exr", PLAIN);
     load_fails(written("gone.pbrt", file), ":4: Texture: ");
-    /* For a height field alone no image is read. */
-    snprintf(file, sizeof file, text, "gone.exr", PLAIN);
-    io_error error = {""};
-    cw_field *field = scene_load_heightfield(written("unused.pbrt", file), NULL, &error);
-    check(field != NULL, "%s", error.text);
-    cw_field_destroy(field);
 }
 
 /* What stands first in the file is told. */
@@ -343,34 +339,6 @@ static void what_changes_nothing_is_a_warning(void **state) {
     scene_free(s);
 }
 
-static void a_lone_heightfield_is_a_field(void **state) {
-    (void)state;
-    io_error error = {""};
-    const char *path = written("lone.pbrt", "Shape \"heightfield\" \"integer nu\" [3] \"integer nv\" [2] \"float Pz\" "
-                                            "[0 1 2 3 4 -5.5]");
-    cw_field *field = scene_load_heightfield(path, false, &error);
-    check(field != NULL, "%s", error.text);
-    const cw_field_info info = cw_field_describe(field);
-    check(info.nx == 3 && info.ny == 2 && info.low == -5.5f && info.high == 4, "%zu x %zu, %g to %g", info.nx, info.ny,
-          (double)info.low, (double)info.high);
-    const cw_hit corner = {.i = 1, .j = 0, .u = 0, .v = 1, .triangle = CW_TRIANGLE_A};
-    double point[3];
-    cw_hit_points(field, NULL, &corner, 1, point);
-    check(point[0] == 2 && point[1] == 1 && point[2] == -5.5, "not in field space");
-    cw_field_destroy(field);
-
-    /* With a scene around it, and where there is none or more than one. */
-    field = scene_load_heightfield(written("within.pbrt", HEAD "Scale 9 9 9\n" PLAIN "WorldEnd"), false, &error);
-    check(field != NULL, "%s", error.text);
-    cw_field_destroy(field);
-    check(scene_load_heightfield(written("two.pbrt", PLAIN PLAIN), false, &error) == NULL &&
-              strstr(error.text, "holds 2 height fields") != NULL,
-          "message: %s", error.text);
-    check(scene_load_heightfield(written("zero.pbrt", "\n"), false, &error) == NULL &&
-              strstr(error.text, "holds 0 height fields") != NULL,
-          "message: %s", error.text);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_rounded_correctly),
@@ -381,7 +349,6 @@ int main(void) {
         cmocka_unit_test(unreadable_images_are_named),
         cmocka_unit_test(the_first_error_is_told),
         cmocka_unit_test(what_changes_nothing_is_a_warning),
-        cmocka_unit_test(a_lone_heightfield_is_a_field),
     };
     return cmocka_run_group_tests(tests, scratch_enter, scratch_leave);
 }

@@ -52,7 +52,7 @@ PNG, ONE = ("-o", "out.png"), ("--threads", 1)
 @pytest.mark.parametrize("words", [
     ("trace", "field.npy", "rays.npy", "-o", "hits.npy", "--threads", 3),
     ("trace", "wide.npy", "rays.npy", "-o", "hits.npy", "--occluded", "--kernel", "pyramid1", "--json"),
-    ("info",), ("info", "field.npy", "--kernel", "grid3d"), ("info", "sea.pbrt", "--json"),
+    ("info",), ("info", "field.npy", "--kernel", "grid3d"),
     ("shadow", *LAND, "--sun", "90,10", *ONE, *PNG),  # a picture and its world file come together, or neither comes
     ("viewshed", *LAND, "--observers", "places.csv", "--table", "table.csv", *ONE, "-o", "out.npy"),
     ("visibility", *LAND, "--longest", "--directions", 5, *ONE, "-o", "out.npy"), ("horizon", *LAND, "--places", "places.csv", "--directions", 3, "-o", "out.csv"),

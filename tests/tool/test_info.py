@@ -43,9 +43,6 @@ def test_fields_are_described():
     np.save("holes.npy", np.full((2, 2), np.nan, np.float32))
     said = info("holes.npy", "--kernel", "grid3d")["field"]
     assert (said["low"], said["high"], said["holes"], said["bytes_samples"]) == (None, None, 4, 16)
-    write("a.pbrt", 'Shape "heightfield" "integer nu" [2] "integer nv" [2] "float Pz" [0 1 2 3]\n')
-    said = info("a.pbrt", "--kernel", "cell")["field"]
-    assert said["bytes_samples"] == 16 and "bytes_built" in said
     asc("a.asc", np.array([[1, 2], [3, 4]]), 10, 20, 2)
     said = info("a.asc")["field"]
     assert said["map"] == [[2, 0, 0, 11], [0, -2, 0, 23], [0, 0, 1, 0]]

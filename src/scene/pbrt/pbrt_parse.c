@@ -180,7 +180,7 @@ static bool skip(pbrt_state *p, const pbrt_site *site, io_error *error) {
 /* ---- structure --------------------------------------------------------------------------------------------------- */
 
 static bool world_begin(pbrt_state *p, const pbrt_site *site, io_error *error) {
-    if (!p->camera && !p->fields_only) return pbrt_fail(site, error, "no Camera has been set");
+    if (!p->camera) return pbrt_fail(site, error, "no Camera has been set");
     p->world = true;
     p->attributes.current = transform_identity();
     return true;
@@ -266,7 +266,7 @@ static bool run_directive(pbrt_state *p, pbrt_source *s, const pbrt_token *token
         if (strcmp(d->name, name) != 0) continue;
         site.name = d->name;
         if (p->ended) return pbrt_fail(&site, error, "nothing may follow WorldEnd");
-        if (!(d->where & (p->world ? INSIDE : OUTSIDE)) && !(p->fields_only && d->run == pbrt_shape))
+        if (!(d->where & (p->world ? INSIDE : OUTSIDE)))
             return pbrt_fail(&site, error,
                              p->world ? "it must stand before WorldBegin" : "it must stand after WorldBegin");
         return d->run(p, &site, error);
@@ -292,12 +292,10 @@ static bool parse_file(pbrt_state *p, const char *path, io_error *error) {
     return good;
 }
 
-bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *warn, void *warn_context,
-                io_error *error) {
+bool pbrt_parse(const char *path, scene *s, scene_warn_fn *warn, void *warn_context, io_error *error) {
     pbrt_state *p = calloc(1, sizeof *p);
     if (p == NULL) return io_fail(error, "%s: out of memory", path);
     p->scene = s;
-    p->fields_only = fields_only;
     p->warn = warn;
     p->warn_context = warn_context;
     p->attributes =
@@ -310,7 +308,7 @@ bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *war
     p->directory = strndup(path, slash ? (size_t)(slash - path) + 1 : 0);
     bool good = p->directory != NULL || io_fail(error, "%s: out of memory", path);
     good = good && parse_file(p, path, error);
-    if (good && !fields_only && !p->ended) good = io_fail(error, "%s: the file ends without WorldEnd", path);
+    if (good && !p->ended) good = io_fail(error, "%s: the file ends without WorldEnd", path);
 
     for (int k = 0; k < p->texture_capacity; k++) free(p->textures[k].name);
     free(p->textures);

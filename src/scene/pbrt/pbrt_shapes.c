@@ -56,7 +56,7 @@ bool pbrt_texture_define(pbrt_state *p, const pbrt_site *site, io_error *error) 
     good = good && pbrt_params_read(&params, site, error) &&
            pbrt_param_string(&params, "string", "filename", &filename, error) && pbrt_params_all_used(&params, error);
     if (good && filename == NULL) good = pbrt_fail(site, error, "\"string filename\" is missing");
-    good = good && (p->fields_only || read_image(p, site, filename, &image, error));
+    good = good && read_image(p, site, filename, &image, error);
 
     const int count = p->attributes.texture_count;
     if (good && count == p->texture_capacity) {
@@ -119,19 +119,17 @@ bool pbrt_material(pbrt_state *p, const pbrt_site *site, io_error *error) {
 
 /* ---- Shape -------------------------------------------------------------------------------------------------------- */
 
-static bool create_field(const pbrt_state *p, const pbrt_site *site, heightfield *h, io_error *error) {
+static bool create_field(const pbrt_site *site, heightfield *h, io_error *error) {
     cw_field_desc desc = {0};
     desc.samples = h->samples;
     desc.nx = h->nx;
     desc.ny = h->ny;
     desc.storage = CW_BORROW;
-    if (!p->fields_only) {
-        transform scale = transform_identity();
-        scale.m[0][0] = 1 / (double)(h->nx - 1);
-        scale.m[1][1] = 1 / (double)(h->ny - 1);
-        const transform map = transform_multiply(&h->to_world, &scale);
-        memcpy(desc.map, map.m, sizeof desc.map);
-    }
+    transform scale = transform_identity();
+    scale.m[0][0] = 1 / (double)(h->nx - 1);
+    scale.m[1][1] = 1 / (double)(h->ny - 1);
+    const transform map = transform_multiply(&h->to_world, &scale);
+    memcpy(desc.map, map.m, sizeof desc.map);
     const cw_status status = cw_field_create(&desc, NULL, &h->field);
     return status == CW_OK || pbrt_fail(site, error, "%s", cw_last_error());
 }
@@ -163,7 +161,7 @@ static bool add_heightfield(pbrt_state *p, const pbrt_site *site, pbrt_params *p
                        .surface = p->attributes.surface};
     z->floats = NULL;
     p->scene->heightfield_count++; /* from here on the scene frees it */
-    return create_field(p, site, h, error);
+    return create_field(site, h, error);
 }
 
 static bool add_cylinder(pbrt_state *p, const pbrt_site *site, pbrt_params *params, io_error *error) {

@@ -28,7 +28,6 @@ typedef struct pbrt_attributes {
 
 typedef struct pbrt_state {
     scene *scene;
-    bool fields_only;
     scene_warn_fn *warn;
     void *warn_context;
     unsigned warnings;

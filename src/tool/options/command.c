@@ -4,15 +4,52 @@
 #include "cellwalk.h"
 #include "clock.h"
 #include "printable.h"
-#include "progress.h"
-#include "words.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* ---- progress ---- */
+
+static struct {
+    const char *step;   /* NULL: there is no line */
+    double start, last; /* seconds on the monotonic clock */
+    volatile sig_atomic_t shown;
+} line;
+
+bool progress_is_shown(void) { return line.shown; }
+
+void progress_show(const char *step, double share) {
+    const double now = clock_seconds();
+    if (line.step == NULL || strcmp(line.step, step) != 0) {
+        progress_end();
+        line.step = step;
+        line.start = line.last = now;
+    }
+    if (now - line.last < (line.shown ? 0.1 : 0.5)) return;
+    line.last = now;
+    if (isatty(STDERR_FILENO) != 1) return;
+    line.shown = true;
+    const double passed = now - line.start;
+    /* "\r" goes to the line's start, "\033[K" clears the rest of the old text. */
+    fprintf(stderr, "\r%s %3.0f %%", step, 100 * share);
+    if (share > 0.01) fprintf(stderr, ", %.0f s left", passed / share - passed);
+    fprintf(stderr, "\033[K");
+    fflush(stderr);
+}
+
+void progress_end(void) {
+    if (line.shown) fprintf(stderr, "\r\033[K");
+    fflush(stderr);
+    line.step = NULL;
+    line.shown = false;
+}
+
+/* ---- messages ---- */
 
 static const char *running = "cellwalk"; /* the program's name */
 
@@ -40,6 +77,8 @@ void command_wrote(const char *name, bool quiet, const char *file, double start,
 }
 
 void command_print_name(FILE *to, const char *name) { fprintf(to, "%s%s%s", running, *name ? " " : "", name); }
+
+/* ---- the program ---- */
 
 static void print_help(const program *p, FILE *to) {
     fprintf(to, "Usage: %s COMMAND [ARGUMENTS]\n%s\n\nCommands:\n", p->name, p->what);

@@ -46,4 +46,23 @@ __attribute__((format(printf, 5, 6))) void command_wrote(const char *name, bool 
 /* Prints "PROGRAM NAME". */
 void command_print_name(FILE *to, const char *name);
 
+/* The line on the terminal that says how far a long run is; none where standard error is no terminal. step, "tracing", must stay; another
+ * one begins a new line. share is in [0, 1]. Prints at most ten times a second, and not in a run that is over at once. Calls must not
+ * overlap. */
+void progress_show(const char *step, double share);
+/* Removes the line. Messages do so themselves; to be called before anything is printed to standard output. */
+void progress_end(void);
+/* Whether there is a line. For signal handlers. */
+bool progress_is_shown(void);
+
+/* Of count words the one that is closest to word, by edit distance, if it is close enough to be meant; else NULL. */
+const char *words_closest(const char *word, const char *const *words, size_t count);
+/* Prints "PROGRAM NAME: WHAT 'word' is unknown; there are a, b, c" with the closest one before the list. Returns false. */
+bool words_unknown(const char *name, const char *what, const char *word, const char *const *words, size_t count);
+/* Prints text from column on, which is where the cursor is, on lines of at most 80 columns, all of them indented by column.
+ * An empty line ends a paragraph. A line that begins with a space is one of a list: it begins on a new line, and goes
+ * on, if it is too long, below the text behind its first gap of two spaces. All other line breaks are spaces. Ends with a
+ * line break. */
+void words_wrap(const char *text, size_t column);
+
 #endif

@@ -6,7 +6,6 @@
 
 #include "command.h"
 #include "number.h"
-#include "words.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -80,19 +79,11 @@ static int unknown(const options_usage *usage, const char *argument, size_t leng
     for (; count < NAMES_MAX && count <= usage->option_count; count++) names[count] = usage->options[count - 1].name;
     char word[64];
     snprintf(word, sizeof word, "%.*s", (int)length, argument);
-    /* Heights of places are no options: closest in spelling would be another one. */
-    bool places = strstr(usage->synopsis, "X,Y[,H]") != NULL;
-    for (size_t k = 0; k < usage->option_count; k++)
-        places |= usage->options[k].value && strncmp(usage->options[k].value, "X,Y[,H]", 7) == 0;
-    if (places && strstr(word, "height") != NULL) {
-        command_fail(usage->name, "unknown option %s; the height of a place is its third number: X,Y,H", word);
-        return wrong(usage);
-    }
     const char *meant = word[1] == '-' ? words_closest(word + 2, names, count) : NULL;
-    if (meant)
-        command_fail(usage->name, "unknown option %s; did you mean --%s?", word, meant);
+    if (strstr(word, "height") != NULL && (meant == NULL || strstr(meant, "height") == NULL))
+        command_fail(usage->name, "unknown option %s; the height of a place is its third number: X,Y,H", word);
     else
-        command_fail(usage->name, "unknown option %s", word);
+        command_fail(usage->name, meant ? "unknown option %s; did you mean --%s?" : "unknown option %s", word, meant);
     return wrong(usage);
 }
 
@@ -111,9 +102,9 @@ static bool set_name(const options_usage *usage, const option_spec *o, const cha
     return words_unknown(usage->name, what, value, names, count);
 }
 
-/* A range of numbers is one to both ends, from one on, or told by takes. */
+/* A range of numbers has two ends, or is told by takes. */
 static bool set_number(const options_usage *usage, const option_spec *o, const char *value) {
-    const bool whole = o->kind == OPTION_COUNT, ranged = o->kind != OPTION_NUMBER;
+    const bool whole = o->kind == OPTION_COUNT, ranged = o->low < o->high && o->takes == NULL;
     char *end = NULL, range[80] = "";
     const double number = number_read(value, &end);
     const bool digits = !whole || strspn(value, "0123456789") == strlen(value);
@@ -128,10 +119,8 @@ static bool set_number(const options_usage *usage, const option_spec *o, const c
     }
     if (whole)
         snprintf(range, sizeof range, " from %.0f to %.0f", o->low, o->high);
-    else if (ranged && o->high < (double)FLT_MAX)
-        snprintf(range, sizeof range, " from %g to %g", o->low, o->high);
     else if (ranged)
-        snprintf(range, sizeof range, " from %g on", o->low);
+        snprintf(range, sizeof range, " from %g to %g", o->low, o->high);
     return command_refuse(usage->name, "--%s takes a %snumber%s, not '%s'", o->name, whole ? "whole " : "", range,
                           value);
 }
@@ -139,8 +128,7 @@ static bool set_number(const options_usage *usage, const option_spec *o, const c
 static bool set_value(const options_usage *usage, const option_spec *o, char *value) {
     size_t number;
     option_again *all = o->to;
-    if (o->kind == OPTION_COUNT || o->kind == OPTION_REAL || o->kind == OPTION_NUMBER)
-        return set_number(usage, o, value);
+    if (o->kind == OPTION_COUNT || o->kind == OPTION_REAL) return set_number(usage, o, value);
     if (o->kind == OPTION_NAME) {
         if (!set_name(usage, o, value, &number)) return false;
         *(int *)o->to = (int)number;

@@ -12,13 +12,12 @@
 #include <stddef.h>
 
 typedef enum option_kind {
-    OPTION_FLAG,   /* to: bool *; takes no value */
-    OPTION_TEXT,   /* to: const char **; the argument itself, not a copy */
-    OPTION_COUNT,  /* to: unsigned *; a whole number in [low, high] */
-    OPTION_REAL,   /* to: double *; a number in [low, high] */
-    OPTION_NAME,   /* to: int *; the number of the name given */
-    OPTION_NUMBER, /* to: double *; any number that is finite, or if takes is set one in [low, high] */
-    OPTION_AGAIN   /* to: option_again *; may be given several times */
+    OPTION_FLAG,  /* to: bool *; takes no value */
+    OPTION_TEXT,  /* to: const char **; the argument itself, not a copy */
+    OPTION_COUNT, /* to: unsigned *; a whole number in [low, high] */
+    OPTION_REAL,  /* to: double *; a finite number, in [low, high] if low < high or takes is set */
+    OPTION_NAME,  /* to: int *; the number of the name given */
+    OPTION_AGAIN  /* to: option_again *; may be given several times */
 } option_kind;
 
 /* The values of an option that may be given several times, the arguments themselves, in order. */
@@ -45,44 +44,36 @@ typedef struct option_spec {
 
 /* Rows by kind: name, the value's name, where it goes, help. */
 static inline option_spec option_flag(const char *name, bool *to, const char *help) {
-    return (option_spec){.name = name, .help = help, .kind = OPTION_FLAG, .to = to};
+    return (option_spec){name, NULL, help, OPTION_FLAG, .to = to};
 }
 static inline option_spec option_text(const char *name, const char *value, const char **to, const char *help) {
-    return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_TEXT, .to = to};
+    return (option_spec){name, value, help, OPTION_TEXT, .to = to};
 }
 static inline option_spec option_output(const char *value, const char **to, const char *help) {
     return (option_spec){.name = "output", .letter = 'o', .value = value, .help = help, .kind = OPTION_TEXT, .to = to};
 }
 static inline option_spec option_number(const char *name, const char *value, double *to, const char *help) {
-    return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_NUMBER, .to = to};
+    return (option_spec){name, value, help, OPTION_REAL, .to = to};
 }
 static inline option_spec option_range(const char *name, const char *value, double *to, double low, double high,
                                        const char *takes, const char *help) {
-    return (option_spec){.name = name,
-                         .value = value,
-                         .help = help,
-                         .kind = OPTION_NUMBER,
-                         .to = to,
-                         .low = low,
-                         .high = high,
-                         .takes = takes};
+    return (option_spec){name, value, help, OPTION_REAL, .to = to, .low = low, .high = high, .takes = takes};
 }
 /* 0: not given. */
 static inline option_spec option_metres(const char *name, double *to, const char *help) {
     return option_range(name, "D", to, DBL_MIN, DBL_MAX, "metres above 0", help);
 }
 static inline option_spec option_several(const char *name, const char *value, option_again *to, const char *help) {
-    return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_AGAIN, .to = to};
+    return (option_spec){name, value, help, OPTION_AGAIN, .to = to};
 }
 static inline option_spec option_count(const char *name, const char *value, unsigned *to, double low, double high,
                                        const char *help) {
-    return (option_spec){
-        .name = name, .value = value, .help = help, .kind = OPTION_COUNT, .to = to, .low = low, .high = high};
+    return (option_spec){name, value, help, OPTION_COUNT, .to = to, .low = low, .high = high};
 }
 /* Of names: the number of the one given. */
 static inline option_spec option_choice(const char *name, const char *value, int *to, option_names *names,
                                         const char *help) {
-    return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_NAME, .to = to, .names = names};
+    return (option_spec){name, value, help, OPTION_NAME, .to = to, .names = names};
 }
 
 typedef struct options_usage {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "words.h"
-
+/* Words on the command line and in the help. */
 #include "command.h"
 
 #include <stdio.h>
@@ -31,7 +30,6 @@ const char *words_closest(const char *word, const char *const *words, size_t cou
     const char *best = NULL;
     size_t best_distance = strlen(word) / 3 + 2; /* a slip or two in a short word, more in a long one */
     for (size_t k = 0; k < count; k++) {
-        if (words[k] == NULL) continue;
         const size_t distance = edit_distance(word, words[k]);
         if (distance < best_distance && distance < strlen(words[k])) {
             best = words[k];

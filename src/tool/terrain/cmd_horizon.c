@@ -7,7 +7,6 @@
 #include "place.h"
 #include "place_sky.h"
 #include "product.h"
-#include "progress.h"
 #include "sight.h"
 #include "table.h"
 
@@ -25,6 +24,11 @@ typedef struct horizon_command {
     option_again at;                       /* texts of places, or */
     const char *file;                      /* a table of them; NULL: none */
     ground_place places[OPTION_AGAIN_MAX]; /* of at */
+    /* Of places. */
+    observers all;
+    sight_bounds *bounds;
+    bool in_circles; /* the circle around each place is read, not all of the raster */
+    io_output to;
 } horizon_command;
 
 static bool fill(product *p, const product_block *b, void *cells, io_error *error) {
@@ -42,91 +46,77 @@ static bool fill(product *p, const product_block *b, void *cells, io_error *erro
 
 /* ---- horizons of places ------------------------------------------------------------------------------------------- */
 
-typedef struct job {
-    horizon_command *command;
-    sight_bounds *bounds;
-    bool in_circles; /* the circle around each place is read, not all of the raster */
-    io_output to;
-    size_t number; /* of the place, from 1 on */
-    bool named;
-    const char *name; /* of the place */
-} job;
-
-static bool write_row(job *j, const place_horizon *h, double from_true, io_error *error) {
+static bool write_row(horizon_command *c, size_t k, const place_horizon *h, double from_true, io_error *error) {
     char true_azimuth[40] = "";
     if (isfinite(from_true)) snprintf(true_azimuth, sizeof true_azimuth, "%.6g", from_true);
-    if (!io_output_print(&j->to, error, "%zu,%.6g,%s,", j->number, h->azimuth, true_azimuth)) return false;
+    if (!io_output_print(&c->to, error, "%zu,%.6g,%s,", k + 1, h->azimuth, true_azimuth)) return false;
     if (!(isnan(h->angle)
-              ? io_output_print(&j->to, error, ",,,")
-              : io_output_print(&j->to, error, "%.6f,%.3f,%.10g,%.10g", h->angle, h->distance, h->at[0], h->at[1])))
+              ? io_output_print(&c->to, error, ",,,")
+              : io_output_print(&c->to, error, "%.6f,%.3f,%.10g,%.10g", h->angle, h->distance, h->at[0], h->at[1])))
         return false;
-    return (!j->named || io_table_write_cell(&j->to, j->name, error)) && io_output_write(&j->to, "\n", 1, error);
+    return (!observers_have_names(&c->all) || io_table_write_cell(&c->to, observers_name(&c->all, k), error)) &&
+           io_output_write(&c->to, "\n", 1, error);
 }
 
-static bool read_around(job *j, const ground_place *p, double metres, io_error *error) {
-    ground *g = &j->command->product.ground;
-    cw_sight_bounds_destroy(j->bounds);
-    j->bounds = NULL;
+static bool read_around(horizon_command *c, const ground_place *p, double metres, io_error *error) {
+    ground *g = &c->product.ground;
+    cw_sight_bounds_destroy(c->bounds);
+    c->bounds = NULL;
     return ground_read_around(g, p->x, p->y, metres, error) &&
-           (cw_sight_bounds_create(&g->terrain, &j->bounds) == CW_OK || io_fail(error, "out of memory"));
+           (cw_sight_bounds_create(&g->terrain, &c->bounds) == CW_OK || io_fail(error, "out of memory"));
 }
 
-static bool write_place(job *j, const ground_place *p, io_error *error) {
-    const ground *g = &j->command->product.ground;
-    const cw_horizon *d = &j->command->desc;
+static bool write_place(horizon_command *c, size_t number, io_error *error) {
+    const ground *g = &c->product.ground;
+    const cw_horizon *d = &c->desc;
     const terrain *t = &g->terrain;
+    char text[OBSERVER_TEXT];
+    const ground_place p = observers_place(&c->all, number, text);
     double eye[3], level, xy[2];
     sight s;
     sun_place north;
     io_error unknown;
-    j->number++;
-    if (j->in_circles && !read_around(j, p, d->max_distance, error)) return false;
-    if (!ground_find_place(t, p, eye, &level, error)) return false;
-    if (isnan(level)) return io_fail(error, "%s: is not on the terrain, where the horizon is found", p->text);
-    cw_sight_init(&s, t, j->bounds, eye, d->curvature);
+    if (c->in_circles && !read_around(c, &p, d->max_distance, error)) return false;
+    if (!ground_find_place(t, &p, eye, &level, error)) return false;
+    if (isnan(level)) return io_fail(error, "%s: is not on the terrain, where the horizon is found", p.text);
+    cw_sight_init(&s, t, c->bounds, eye, d->curvature);
     terrain_to_map(t, eye[0], eye[1], xy);
     if (!sun_place_of(t, &g->about.georef, xy, g->path, NULL, &north, &unknown)) north.turned = NAN;
     for (size_t k = 0; k < d->count; k++) {
         const place_horizon h =
             place_horizon_toward(&s, fmod(d->start + 360.0 * (double)k / (double)d->count, 360), d->max_distance);
-        if (!write_row(j, &h, fmod(h.azimuth - north.turned + 360, 360), error)) return false;
+        if (!write_row(c, number, &h, fmod(h.azimuth - north.turned + 360, 360), error)) return false;
     }
     return true;
 }
 
-static bool write_all(job *j, const observers *all, io_error *error) {
-    j->named = observers_have_names(all);
-    if (!io_output_print(&j->to, error, "place,azimuth,true_azimuth,angle,distance,x,y%s\n", j->named ? ",name" : ""))
-        return false;
-    for (size_t k = 0; k < all->count; k++) {
-        char text[OBSERVER_TEXT];
-        const ground_place place = observers_place(all, k, text);
-        product_tell(&j->command->product, (double)k / (double)all->count);
-        j->name = observers_name(all, k);
-        if (!write_place(j, &place, error)) return false;
+static bool write_all(horizon_command *c, io_error *error) {
+    bool good = io_output_print(&c->to, error, "place,azimuth,true_azimuth,angle,distance,x,y%s\n",
+                                observers_have_names(&c->all) ? ",name" : "");
+    for (size_t k = 0; k < c->all.count && good; k++) {
+        product_tell(&c->product, (double)k / (double)c->all.count);
+        good = write_place(c, k, error);
     }
-    return true;
+    return good;
 }
 
 /* The horizons of all places, to the output or standard output. */
 static bool write_places(horizon_command *c, io_error *error) {
     const observers_from from = {.places = c->places, .place_count = c->at.count, .file = c->file};
-    job j = {.command = c};
-    observers all;
     if (c->file && !io_inputs_note_path(c->file)) return io_fail(error, "out of memory");
-    if (!observers_find(&all, &from, &c->product.ground, error)) return false;
-    j.in_circles = c->desc.max_distance > 0 && (all.count == 1 || !ground_is_small(&c->product.ground));
-    bool good = j.in_circles || read_around(&j, &(ground_place){0}, 0, error);
+    if (!observers_find(&c->all, &from, &c->product.ground, error)) return false;
+    c->in_circles = c->desc.max_distance > 0 && (c->all.count == 1 || !ground_is_small(&c->product.ground));
     const char *output = c->product.output;
-    good = good && io_output_open(&j.to, output ? output : "-", error) && write_all(&j, &all, error) &&
-           io_output_commit(&j.to, error);
-    io_output_discard(&j.to);
+    const bool good = (c->in_circles || read_around(c, &(ground_place){0}, 0, error)) &&
+                      io_output_open(&c->to, output ? output : "-", error) && write_all(c, error) &&
+                      io_output_commit(&c->to, error);
+    io_output_discard(&c->to);
     progress_end();
     if (good)
-        command_wrote(name, c->product.quiet, output, c->product.start, "horizons of %zu place%s", all.count,
-                      all.count == 1 ? "" : "s");
-    cw_sight_bounds_destroy(j.bounds);
-    observers_free(&all);
+        command_wrote(name, c->product.quiet, output, c->product.start, "horizons of %zu place%s", c->all.count,
+                      c->all.count == 1 ? "" : "s");
+    cw_sight_bounds_destroy(c->bounds);
+    observers_free(&c->all);
     return good;
 }
 
@@ -154,10 +144,7 @@ static bool begin(product *p, io_error *error) {
     /* Bands are called by their direction, as GRASS numbers none of them alike. */
     for (unsigned k = 0; k < c->directions && !c->sum; k++)
         if (!product_name_band(p, k, error, "azimuth %.6g", azimuths[k])) return false;
-    if (!c->sky && !c->tilted) {
-        p->raster.unit = c->distance ? "metre" : "degree";
-        p->raster.white = c->sum ? 180 : 90;
-    }
+    if (!c->sky && !c->tilted) p->raster.unit = c->distance ? "metre" : "degree";
     /* Without a distance far mountains count, as far as the raster's highest samples let them. */
     p->matters = (ground_matters){.distance = c->desc.max_distance,
                                   .horizons = !c->below,

@@ -8,7 +8,6 @@
 #include "output.h"
 #include "printable.h"
 #include "product.h"
-#include "progress.h"
 #include "table.h"
 
 #include <math.h>

@@ -4,7 +4,6 @@
 #include "command.h"
 #include "place_sky.h"
 #include "product.h"
-#include "progress.h"
 
 #include <math.h>
 #include <stdlib.h>

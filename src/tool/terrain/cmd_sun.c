@@ -105,8 +105,6 @@ static void describe_list(product *p, const sun_command *c) {
     product_describe(p, IO_CELL_FLOAT32, 1,
                      c->irradiance ? "sum of the suns' weights on the ground as it leans"
                                    : "sum of the weights of suns that are seen");
-    p->raster.white = 0;
-    for (size_t k = 0; k < c->suns.count; k++) p->raster.white += c->suns.weights[k];
     product_note(p, "SUNS_FILE=%s", c->at.suns);
     product_note(p, "SUNS=%zu", c->suns.count);
 }
@@ -117,7 +115,6 @@ static void describe(product *p, const sun_command *c, const sun_place *place) {
                      c->irradiance ? "energy of sunlight on the ground under a cloudless sky"
                                    : "hours of direct sunlight");
     p->raster.unit = c->irradiance ? "Wh/m2" : "h";
-    p->raster.white = 24 * ((c->last - c->at.first) / day + 1);
     if (c->irradiance) p->raster.band_names = bands;
     product_note(p, "DATE=%s", c->date);
     product_note(p, "TO=%s", c->to ? c->to : c->date);

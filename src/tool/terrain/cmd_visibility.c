@@ -54,20 +54,6 @@ static bool fill(product *p, const product_block *b, void *cells, io_error *erro
     return true;
 }
 
-/* White in a picture: the most that can be in sight. */
-static double most_of(const visibility_command *c) {
-    const terrain *t = &c->product.ground.whole;
-    const double reach = c->desc.max_distance;
-    double metres[2], side[2];
-    cw_terrain_metres(t, 0.5 * (double)t->nx, 0.5 * (double)t->ny, metres);
-    for (int a = 0; a < 2; a++)
-        side[a] = hypot(t->map[0][a] * metres[0], t->map[1][a] * metres[1]) * (double)(a ? t->ny : t->nx);
-    if (c->share) return 1;
-    if (c->longest) return reach > 0 ? reach : hypot(side[0], side[1]);
-    const double all = side[0] * side[1], circle = 3.141592653589793 * reach * reach;
-    return 1e-6 * (reach > 0 ? fmin(all, circle) : all);
-}
-
 /* The land that is turned has margins beside the samples that are so many columns apart (src/terrain/visible_land.c). */
 static double turned_bytes(const visibility_command *c) {
     enum { MARGINS = 80 };
@@ -94,7 +80,6 @@ static bool begin(product *p, io_error *error) {
         for (int a = 0; a < 2; a++) g->map[k][a] *= (double)c->every;
     p->raster.nx = (g->window.nx + c->every - 1) / c->every;
     p->raster.ny = (g->window.ny + c->every - 1) / c->every;
-    p->raster.white = most_of(c);
     p->raster.unit = c->share || c->longest ? NULL : "km2";
     if (c->longest) p->raster.band_names = names;
     product_note(p, "DIRECTIONS=%u", c->directions);

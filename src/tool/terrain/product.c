@@ -5,7 +5,6 @@
 #include "command.h"
 #include "inputs.h"
 #include "number.h"
-#include "progress.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -195,8 +194,6 @@ void product_describe(product *p, io_cell cell, size_t bands, const char *what) 
         .nodata = cell == IO_CELL_UINT8    ? 255
                   : cell == IO_CELL_UINT16 ? 65535
                                            : NAN,
-        .black = 0,
-        .white = 1,
         .band_names = bands == 1 ? &p->what : NULL,
         .notes = p->notes,
         .threads = cw_pool_threads(g->query.pool),

@@ -4,7 +4,6 @@
 #include "clock.h"
 #include "command.h"
 #include "product.h"
-#include "progress.h"
 
 #include <stdlib.h>
 #include <string.h>

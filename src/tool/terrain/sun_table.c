@@ -4,7 +4,6 @@
 #include "command.h"
 #include "number.h"
 #include "output.h"
-#include "progress.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,6 @@
 #include "inputs.h"
 #include "landscape.h"
 #include "place_sky.h"
-#include "sight.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -21,29 +20,16 @@ static const double sun_light = 0.85, sky_light = 0.3;
 static const float horizon[3] = {0.70f, 0.80f, 0.93f}, above[3] = {0.16f, 0.34f, 0.70f},
                    plain[3] = {0.20f, 0.27f, 0.16f};
 
-struct view {
-    ground ground;        /* not lowered */
-    raster_field lowered; /* by --curvature: that rays meet */
-    sight earth;          /* by how much it was: 0 without --curvature */
-    float *filled;        /* the file's samples without holes, where smooth normals require it */
-    scene *scene;
-};
-
 /* ---- places ------------------------------------------------------------------------------------------------------- */
 
-/* The options as numbers. */
-typedef struct wish {
-    ground_place from, to;
-    double sun[2], fov, seconds;
-} wish;
-
-static bool read_wish(const view_options *v, wish *w) {
-    *w = (wish){.sun = {usual_sun[0], usual_sun[1]}, .fov = v->fov > 0 ? v->fov : usual_fov};
-    if (v->from && !product_parse_place(name, v->from, usual_eye, &w->from)) return false;
-    if (v->to && !product_parse_place(name, v->to, 0, &w->to)) return false;
-    if (v->sun && !product_parse_sun(name, v->sun, w->sun)) return false;
+bool view_check(view *v) {
+    memcpy(v->sun_at, usual_sun, sizeof usual_sun);
+    if (v->fov == 0) v->fov = usual_fov;
+    if (v->from && !product_parse_place(name, v->from, usual_eye, &v->eye)) return false;
+    if (v->to && !product_parse_place(name, v->to, 0, &v->target)) return false;
+    if (v->sun && !product_parse_sun(name, v->sun, v->sun_at)) return false;
     if (v->sun && v->time) return command_refuse(name, "give the sun's place by either --sun or --time");
-    if (v->time && !cw_sun_parse_time(v->time, &w->seconds))
+    if (v->time && !cw_sun_parse_time(v->time, &v->seconds))
         return command_refuse(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'",
                               v->time);
     if (v->curvature > 0 && v->from == NULL)
@@ -76,85 +62,55 @@ static bool put_place(const view *v, double map[3][4], const ground_place *p, do
     return true;
 }
 
-/* A corner of the terrain's box from the target: forward along the view, to the right and up. */
-typedef struct corner {
-    double forward, right, up;
-} corner;
-
-/* From so far behind the target the box fills a picture whose half sides at distance 1 are wide and high. lift is how far the
- * target moves up for that, so that there is as much sky above as below. */
-static double stand_off(const corner c[8], double wide, double high, bool lifted, double *lift) {
-    enum { STEPS = 30 };
-    double away = 0;
-    *lift = 0;
-    for (int step = 0; step < STEPS; step++) {
-        double top = 0, bottom = 0;
-        away = 0;
-        for (int k = 0; k < 8; k++)
-            away = fmax(away, fmax(fabs(c[k].right) / wide, fabs(c[k].up - *lift) / high) - c[k].forward);
-        for (int k = 0; k < 8; k++) {
-            top = fmax(top, (c[k].up - *lift) / (away + c[k].forward));
-            bottom = fmax(bottom, (*lift - c[k].up) / (away + c[k].forward));
-        }
-        if (!lifted) break;
-        *lift += 0.5 * away * (top - bottom);
-    }
-    return 1.1 * away;
-}
-
 /* What rays meet. */
 static const raster_field *surface(const view *v) { return v->lowered.field ? &v->lowered : &v->ground.file; }
 
-/* From the south, and as near as shows all of the terrain's box. */
-static void stand_back(const view *v, double map[3][4], double fov, double aspect, bool asked, double target[3],
-                       double eye[3]) {
+/* From the south, and nearly as near as shows all of the terrain's box with the target in the middle. */
+static void stand_back(const view *v, double map[3][4], double aspect, const double target[3], double eye[3]) {
     const cw_field_info info = cw_field_describe(surface(v)->field);
-    double sine, cosine, lift;
+    double sine, cosine, away = 0;
     cw_terrain_sine_cosine(usual_pitch, &sine, &cosine);
-    const double half = tan(fov * (3.141592653589793 / 360));
+    const double half = tan(v->fov * (3.141592653589793 / 360));
     const double wide = aspect > 1 ? half * aspect : half, high = aspect > 1 ? half : half / aspect;
-    corner corners[8];
     for (int k = 0; k < 8; k++) {
         double p[3];
         put(map, k & 1 ? (double)(info.nx - 1) : 0, k & 2 ? (double)(info.ny - 1) : 0,
             (double)(k & 4 ? info.high : info.low), p);
         for (int c = 0; c < 3; c++) p[c] -= target[c];
-        corners[k] = (corner){cosine * p[1] - sine * p[2], p[0], sine * p[1] + cosine * p[2]};
+        const double forward = cosine * p[1] - sine * p[2], up = sine * p[1] + cosine * p[2];
+        away = fmax(away, 1.1 * (fmax(fabs(p[0]) / wide, fabs(up) / high) - forward));
     }
-    const double away = stand_off(corners, wide, high, !asked, &lift);
-    target[1] += sine * lift;
-    target[2] += cosine * lift;
     const double from[3] = {0, -cosine * away, sine * away};
     for (int c = 0; c < 3; c++) eye[c] = target[c] + from[c];
 }
 
-static bool aim(const view *v, const view_options *o, const wish *w, landscape_desc *d, io_error *error) {
+static bool aim(const view *v, landscape_desc *d, io_error *error) {
     const cw_field_info info = cw_field_describe(v->ground.terrain.field);
     if (info.low > info.high) return io_fail(error, "all samples are holes");
-    if (o->to) {
-        if (!put_place(v, d->to_world, &w->to, d->target, error)) return false;
+    if (v->to) {
+        if (!put_place(v, d->to_world, &v->target, d->target, error)) return false;
     } else {
         const double i = 0.5 * (double)(info.nx - 1), j = 0.5 * (double)(info.ny - 1);
         put(d->to_world, i, j, 0.5 * ((double)info.low + (double)info.high) - cw_sight_fall(&v->earth, i, j),
             d->target);
     }
-    if (o->from) {
-        if (!put_place(v, d->to_world, &w->from, d->eye, error)) return false;
+    if (v->from) {
+        if (!put_place(v, d->to_world, &v->eye, d->eye, error)) return false;
     } else {
-        stand_back(v, d->to_world, w->fov, (double)d->width / (double)d->height, o->to != NULL, d->target, d->eye);
+        stand_back(v, d->to_world, (double)d->width / (double)d->height, d->target, d->eye);
     }
     const double way = hypot(hypot(d->eye[0] - d->target[0], d->eye[1] - d->target[1]), d->eye[2] - d->target[2]);
     return way > 0 || io_fail(error, "--from and --to are the same place");
 }
 
-static void shine(const wish *w, landscape_desc *d) {
+static void shine(const view *v, landscape_desc *d) {
     double s[2], c[2];
-    for (int k = 0; k < 2; k++) cw_terrain_sine_cosine(w->sun[k], &s[k], &c[k]);
+    for (int k = 0; k < 2; k++) cw_terrain_sine_cosine(v->sun_at[k], &s[k], &c[k]);
     const double sun[3] = {s[0] * c[1], c[0] * c[1], s[1]};
     memcpy(d->sun, sun, sizeof sun);
-    d->sun_light = w->sun[1] > 0 ? sun_light : 0;
+    d->sun_light = v->sun_at[1] > 0 ? sun_light : 0;
     d->sky_light = sky_light;
-    if (w->sun[1] <= 0) command_warn("render", "the sun is at %g degrees, below the horizon", w->sun[1]);
+    if (v->sun_at[1] <= 0) command_warn("render", "the sun is at %g degrees, below the horizon", v->sun_at[1]);
     memcpy(d->horizon, horizon, sizeof horizon);
     memcpy(d->above, above, sizeof above);
     memcpy(d->plain, plain, sizeof plain);
@@ -225,35 +181,34 @@ static float *fill_holes(const float *z, size_t nx, size_t ny, io_error *error) 
     return filled;
 }
 
-static bool find_sun(const view *v, const view_options *o, const char *path, wish *w, io_error *error) {
+static bool find_sun(view *v, io_error *error) {
+    const ground *g = &v->ground;
     sun_place place;
-    if (o->time == NULL) return true;
-    if (!sun_place_of(&v->ground.terrain, &v->ground.about.georef, NULL, path, "give --sun", &place, error))
-        return false;
-    const sun_position p = sun_place_at(&place, w->seconds);
-    w->sun[0] = p.azimuth;
-    w->sun[1] = p.altitude;
+    if (v->time == NULL) return true;
+    if (!sun_place_of(&g->terrain, &g->about.georef, NULL, g->path, "give --sun", &place, error)) return false;
+    const sun_position p = sun_place_at(&place, v->seconds);
+    v->sun_at[0] = p.azimuth;
+    v->sun_at[1] = p.altitude;
     return true;
 }
 
-static bool make_scene(view *v, const view_options *o, const char *path, wish *w, size_t width, size_t height,
-                       bool smooth, io_error *error) {
+static bool make_scene(view *v, io_error *error) {
     landscape_desc d = {.field = surface(v)->field,
                         .samples = surface(v)->raster.z,
                         .nx = v->ground.terrain.nx,
                         .ny = v->ground.terrain.ny,
-                        .field_of_view = w->fov,
-                        .width = width ? width : WIDTH,
-                        .height = height ? height : HEIGHT,
+                        .field_of_view = v->fov,
+                        .width = v->width ? v->width : WIDTH,
+                        .height = v->height ? v->height : HEIGHT,
                         .samples_a_pixel = SAMPLES};
     to_metres(&v->ground.terrain, d.to_world);
-    if (!aim(v, o, w, &d, error) || !find_sun(v, o, path, w, error)) return false;
-    shine(w, &d);
-    d.vault = o->sky;
-    if (o->haze > 0) d.visibility = o->haze;
-    const double water = o->water / terrain_metres_of_height(&v->ground.terrain);
+    if (!aim(v, &d, error) || !find_sun(v, error)) return false;
+    shine(v, &d);
+    d.vault = v->sky;
+    if (v->haze > 0) d.visibility = v->haze;
+    const double water = v->water / terrain_metres_of_height(&v->ground.terrain);
     if (!isnan(water)) d.water_level = &water;
-    if (smooth && cw_field_describe(d.field).holes > 0) {
+    if (v->smooth && cw_field_describe(d.field).holes > 0) {
         d.samples = v->filled = fill_holes(d.samples, d.nx, d.ny, error);
         if (v->filled == NULL) return false;
     }
@@ -278,55 +233,40 @@ static bool lower(const io_raster *raster, const sight *s, const char *path, io_
 }
 
 /* The terrain as it is, and as the eye sees it: lowered by the earth's curvature. */
-static bool read_terrain(view *v, const view_options *o, const wish *w, io_error *error) {
+static bool read_terrain(view *v, io_error *error) {
     ground *g = &v->ground;
-    const bool lowers = o->curvature > 0;
+    const bool lowers = v->curvature > 0;
     const cw_run query = g->query;
     double eye[3];
     if (lowers) g->query.expert.kernel = cw_kernel_find("cell"); /* no ray meets the flat one */
     if (!ground_open(g, error) || !ground_read(g, ground_all(g), true, error)) return false;
     if (!lowers) return true;
-    if (!ground_find_place(&g->terrain, &w->from, eye, NULL, error)) return false;
-    cw_sight_init(&v->earth, &g->terrain, NULL, eye, o->curvature);
+    if (!ground_find_place(&g->terrain, &v->eye, eye, NULL, error)) return false;
+    cw_sight_init(&v->earth, &g->terrain, NULL, eye, v->curvature);
     return lower(&g->file.raster, &v->earth, g->path, &v->lowered.raster, error) &&
            raster_field_build(&v->lowered, g->path, &query, &g->watch, error);
 }
 
-view *view_open(const view_options *o, const field_options *fields, const char *path, size_t width, size_t height,
-                bool smooth, bool quiet, int *status) {
-    wish w;
-    view *v = NULL;
-    io_error error = {"out of memory"};
-    *status = EXIT_USAGE;
-    if (!read_wish(o, &w)) return NULL;
+bool view_open(view *v, const field_options *fields, const char *path, io_error *error) {
+    ground *g = &v->ground;
     /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
-    if (io_inputs_note_path(path) && (v = calloc(1, sizeof *v)) != NULL) {
-        ground *g = &v->ground;
-        *g = (ground){.path = path,
-                      .reading = fields->reading,
-                      .coarser = fields->coarser,
-                      .watch = fields->watch,
-                      .query = fields->query,
-                      .bytes = INFINITY};
-        g->reading.north_up = true;
-        if (quiet) g->watch.warn = g->watch.note = NULL;
-        if (read_terrain(v, o, &w, &error) && make_scene(v, o, path, &w, width, height, smooth, &error)) {
-            if (v->lowered.field) raster_field_close(&g->file);
-            return v;
-        }
-    }
-    *status = command_fail(name, "%s", error.text);
-    view_close(v);
-    return NULL;
+    if (!io_inputs_note_path(path)) return io_fail(error, "out of memory");
+    *g = (ground){.path = path,
+                  .reading = fields->reading,
+                  .coarser = fields->coarser,
+                  .watch = fields->watch,
+                  .query = fields->query,
+                  .bytes = INFINITY};
+    g->reading.north_up = true;
+    if (v->quiet) g->watch.warn = g->watch.note = NULL;
+    if (!read_terrain(v, error) || !make_scene(v, error)) return false;
+    if (v->lowered.field) raster_field_close(&g->file);
+    return true;
 }
 
-scene *view_scene(const view *v) { return v->scene; }
-
 void view_close(view *v) {
-    if (v == NULL) return;
     scene_free(v->scene);
     free(v->filled);
     raster_field_close(&v->lowered);
     ground_close(&v->ground);
-    free(v);
 }

@@ -5,23 +5,33 @@
 
 #include "product.h"
 #include "scene.h"
+#include "sight.h"
 
-typedef struct view_options {
+typedef struct view {
+    /* Options. */
     const char *from, *to, *sun, *time;
     double fov;       /* degrees; 0: not given */
     double haze;      /* visibility in metres; 0: not given */
     double water;     /* height in metres; NaN: not given */
     double curvature; /* factor */
-    bool sky;
-} view_options;
+    bool sky, smooth, quiet;
+    size_t width, height; /* of the picture; 0: not given */
+    /* By view_check: as numbers. */
+    ground_place eye, target;
+    double sun_at[2], seconds;
+    /* The work. */
+    ground ground;        /* not lowered */
+    raster_field lowered; /* by curvature: that rays meet */
+    sight earth;          /* by how much it was: 0 without curvature */
+    float *filled;        /* the file's samples without holes, where smooth normals require it */
+    scene *scene;
+} view;
 
-typedef struct view view;
+/* Checks the options; false after a message. */
+bool view_check(view *v);
 
-/* Reads the raster and makes the scene. width and height are the picture's, or 0; smooth: for Phong normals. NULL after a
- * message, with *status the exit status. */
-view *view_open(const view_options *options, const field_options *fields, const char *path, size_t width, size_t height,
-                bool smooth, bool quiet, int *status);
-scene *view_scene(const view *v);
+/* Reads the raster and makes the scene. The view is to be closed in any case. */
+bool view_open(view *v, const field_options *fields, const char *path, io_error *error);
 void view_close(view *v);
 
 #endif

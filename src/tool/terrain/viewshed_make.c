@@ -294,8 +294,6 @@ static bool describe(viewshed_command *c, io_error *error) {
                      : most_seen(c) <= COUNT_SMALL ? IO_CELL_UINT8
                                                    : IO_CELL_UINT16,
                      c->bands ? c->observers.count : 1, meaning(c));
-    p->raster.white = c->kind == VIEW_NEEDED ? 100 : (double)most_seen(c);
-    if (c->kind == VIEW_ANGLE) p->raster.black = -90, p->raster.white = 90;
     if (c->kind == VIEW_NEEDED) p->raster.unit = "m";
     if (c->kind == VIEW_ANGLE) p->raster.unit = "degree";
     p->in_memory = true;
