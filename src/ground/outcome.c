@@ -168,11 +168,9 @@ static void mark(const picture *p, const double *marks, size_t count, size_t y, 
 bool picture_write(const picture *p, const char *path, const io_raster_product *product, const outcome *of,
                    const double *marks, size_t mark_count, io_error *error) {
     const double low = outcome_quantile(of, 0.02), high = outcome_quantile(of, 0.98), times = exaggeration(p);
-    io_raster_product rgb = *product;
     io_raster_writer to;
     unsigned char *row = malloc(3 * p->nx);
-    rgb.rgb = true;
-    bool good = (row != NULL || io_fail(error, "out of memory")) && io_raster_create(&to, path, &rgb, error);
+    bool good = (row != NULL || io_fail(error, "out of memory")) && io_raster_create(&to, path, product, error);
     if (!good) {
         free(row);
         return false;

@@ -65,12 +65,6 @@ static bool take_type(cursor *c, io_npy_header *header) {
     return true;
 }
 
-static bool take_order(cursor *c) {
-    if (take(c, "True"))
-        return io_fail(c->error, "%s: is in Fortran order; save numpy.ascontiguousarray(a) instead", c->path);
-    return take(c, "False") || fail(c, "fortran_order should be True or False");
-}
-
 static bool take_shape(cursor *c, io_npy_header *header) {
     if (!take(c, "(")) return fail(c, "the shape should start with (");
     bool comma = true;
@@ -101,7 +95,10 @@ static bool take_entry(cursor *c, io_npy_header *header, bool seen[3]) {
     seen[which] = true;
     if (!take(c, ":")) return fail(c, "a colon should stand here");
     take(c, "");
-    return which == 0 ? take_type(c, header) : which == 1 ? take_order(c) : take_shape(c, header);
+    if (which == 1 && take(c, "True"))
+        return io_fail(c->error, "%s: is in Fortran order; save numpy.ascontiguousarray(a) instead", c->path);
+    if (which == 1) return take(c, "False") || fail(c, "fortran_order should be True or False");
+    return which == 0 ? take_type(c, header) : take_shape(c, header);
 }
 
 static bool parse(cursor *c, size_t size, io_npy_header *header) {
@@ -215,22 +212,17 @@ bool io_npy_expect_type(const io_npy *npy, const char *const *types, size_t coun
 
 const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *error) {
     const uint64_t bytes = count * npy->row_bytes;
-    /* A pass that is repeated over the same rows keeps them. */
-    if (npy->rows != NULL && npy->first == first && npy->count == count) return npy->rows;
     if (npy->rows == NULL || npy->room < bytes) {
         free(npy->rows);
         npy->rows = bytes < SIZE_MAX ? malloc(bytes > 0 ? (size_t)bytes : 1) : NULL;
         npy->room = bytes;
     }
-    npy->first = first;
-    npy->count = count;
     if (npy->rows == NULL) {
         io_fail(error, "%s: out of memory for %llu bytes", npy->path, (unsigned long long)bytes);
         return NULL;
     }
     if (io_file_read_at(npy->fd, npy->path, npy->rows, (size_t)bytes, npy->offset + first * npy->row_bytes, error))
         return npy->rows;
-    npy->count = 0;
     return NULL;
 }
 

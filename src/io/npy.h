@@ -26,8 +26,8 @@ typedef struct io_npy {
     uint64_t offset;    /* of the first element in the file */
     uint64_t row_bytes; /* of one step along the first axis */
     int fd;
-    void *rows; /* that were read last: count of them from first on, in room for so many bytes */
-    uint64_t first, count, room;
+    void *rows; /* that were read last, in room for so many bytes */
+    uint64_t room;
 } io_npy;
 
 /* Opens a file whose size agrees with its header. On failure npy needs no closing. */

@@ -190,7 +190,7 @@ static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 static bool sidecar_is_named(void) {
     const io_georef georef = {0};
     const io_raster_product product = {
-        .nx = 2, .ny = 2, .bands = 1, .cell = IO_CELL_FLOAT32, .map = identity, .georef = &georef, .white = 1};
+        .nx = 2, .ny = 2, .bands = 1, .cell = IO_CELL_FLOAT32, .map = identity, .georef = &georef};
     io_raster_writer w;
     io_error error = {""};
     if (!io_raster_create(&w, "shared/a.png", &product, &error) || !io_raster_write(&w, grey, 2, &error)) return false;

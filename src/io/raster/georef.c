@@ -60,24 +60,23 @@ typedef struct reading {
 static void take_node(reading *r, const char *word, size_t length, int depth, const char *at) {
     static const char projected[] = "|PROJCS|PROJCRS|PROJECTEDCRS|LOCAL_CS|ENGCRS|",
                       geographic[] = "|GEOGCS|GEOGCRS|GEOGRAPHICCRS|";
-    char name[24] = "|";
+    char name[24]; /* no known one is cut */
     double value[2];
-    if (r->over || length + 3 > sizeof name) return;
-    for (size_t k = 0; k < length; k++) name[k + 1] = word[k] >= 'a' && word[k] <= 'z' ? word[k] - 'a' + 'A' : word[k];
-    name[length + 1] = '|';
+    if (r->over) return;
+    snprintf(name, sizeof name, "|%.*s|", (int)(length < sizeof name ? length : sizeof name), word);
     const bool own = r->main > 0 && depth == r->main + 1;
-    if (r->main == 0 && (strstr(projected, name) || strstr(geographic, name))) {
-        r->found.geographic = strstr(geographic, name) != NULL;
+    if (r->main == 0 && (strcasestr(projected, name) || strcasestr(geographic, name))) {
+        r->found.geographic = strcasestr(geographic, name) != NULL;
         r->main = depth;
     } else if (r->main > 0 && depth <= r->main) {
         r->over = true; /* the system of heights follows the horizontal one */
-    } else if (strstr("|SPHEROID|ELLIPSOID|", name) && r->found.semi_major == 0 && numbers(at, value, 2)) {
+    } else if (strcasestr("|SPHEROID|ELLIPSOID|", name) && r->found.semi_major == 0 && numbers(at, value, 2)) {
         r->found.semi_major = value[0];
         r->found.inverse_flattening = value[1];
-    } else if (own && strcmp(name, "|AXIS|") == 0) {
+    } else if (own && strcasecmp(name, "|AXIS|") == 0) {
         r->unit = depth + 1; /* where one unit of all axes is missing */
     } else if ((own || (r->unit > 0 && depth == r->unit)) && r->found.unit == 0 &&
-               strstr("|UNIT|LENGTHUNIT|ANGLEUNIT|", name) && numbers(at, value, 1)) {
+               strcasestr("|UNIT|LENGTHUNIT|ANGLEUNIT|", name) && numbers(at, value, 1)) {
         r->found.unit = value[0];
     }
 }

@@ -10,9 +10,6 @@
 
 typedef enum io_cell { IO_CELL_UINT8, IO_CELL_UINT16, IO_CELL_FLOAT32, IO_CELL_INT16 } io_cell;
 
-/* Of GeoTIFFs. All are without loss. */
-typedef enum io_compression { IO_DEFLATE, IO_ZSTD, IO_UNCOMPRESSED } io_compression;
-
 /* The raster to write. */
 typedef struct io_raster_product {
     size_t nx, ny, bands;
@@ -22,13 +19,12 @@ typedef struct io_raster_product {
     bool has_nodata;
     double nodata;
     double black, white; /* in a grey picture: the values that become 0 and 255 */
-    bool rgb;            /* of a picture: cells are three bytes, its colours */
     /* For GeoTIFF, each may be NULL. */
     const char *const *band_names; /* one for each band */
     const char *unit;              /* of the values */
     const char *const *notes;      /* metadata as "NAME=value", up to a NULL */
     unsigned threads;              /* that may compress, if the file is large; 0: as many as there are CPUs */
-    io_compression compression;
+    bool uncompressed;
     bool cog; /* Cloud Optimized GeoTIFF: smaller copies within, written in a second pass by io_raster_commit */
     /* GDAL's creation options as "NAME=VALUE"; they replace the program's own. */
     const char *const *creation;
@@ -74,7 +70,7 @@ bool io_raster_check_creation(const char *const *creation, size_t count, bool co
 
 /* On failure writer needs no discard. */
 bool io_raster_create(io_raster_writer *writer, const char *path, const io_raster_product *product, io_error *error);
-/* The next rows: bands one after the other, each from row 0 on. */
+/* The next rows: bands one after the other, each from row 0 on. Of a picture, cells are three bytes, its colours. */
 bool io_raster_write(io_raster_writer *writer, const void *cells, size_t rows, io_error *error);
 /* A rectangle of a band, in any order, each cell once; of a GeoTIFF alone. */
 bool io_raster_write_window(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,

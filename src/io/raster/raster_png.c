@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pictures of 8 bits a colour through libpng, row by row: a product has more cells than a picture in memory would be good for. */
+/* Pictures of 8 bits a colour through libpng, row by row. */
 
 #include "image.h"
 #include "raster_sink.h"
@@ -15,7 +15,6 @@ typedef struct png_state {
     png_structp png;
     png_infop info;
     char problem[200];
-    unsigned char *row;
 } png_state;
 
 static void on_error(png_structp png, png_const_charp text) {
@@ -30,7 +29,6 @@ static void on_warning(png_structp png, png_const_charp text) { (void)png, (void
 static void free_state(io_raster_writer *w) {
     png_state *s = w->state;
     png_destroy_write_struct(&s->png, &s->info);
-    free(s->row);
     free(s);
     w->state = NULL;
 }
@@ -50,9 +48,8 @@ static void begin(io_raster_writer *w, const void *cells, size_t rows) {
     png_state *s = w->state;
     (void)cells, (void)rows;
     png_init_io(s->png, w->output.file);
-    png_set_IHDR(s->png, s->info, (png_uint_32)p->nx, (png_uint_32)p->ny, 8,
-                 p->rgb ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(s->png, s->info, (png_uint_32)p->nx, (png_uint_32)p->ny, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (p->georef == NULL) png_set_sRGB(s->png, s->info, PNG_sRGB_INTENT_PERCEPTUAL); /* light, and no map */
     png_write_info(s->png, s->info);
 }
@@ -63,8 +60,7 @@ static bool png_create(io_raster_writer *w, io_error *error) {
         return io_fail(error, "%s: %zu x %zu pixels are too many for PNG", w->output.name, p->nx, p->ny);
     png_state *s = w->state = calloc(1, sizeof *s);
     if (s == NULL) return io_fail(error, "%s: out of memory", w->output.name);
-    s->row = malloc(3 * p->nx);
-    s->png = s->row ? png_create_write_struct(PNG_LIBPNG_VER_STRING, s, on_error, on_warning) : NULL;
+    s->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, s, on_error, on_warning);
     s->info = s->png ? png_create_info_struct(s->png) : NULL;
     if (s->info == NULL)
         io_fail(error, "%s: out of memory", w->output.name);
@@ -74,25 +70,9 @@ static bool png_create(io_raster_writer *w, io_error *error) {
     return false;
 }
 
-/* NaN is black. */
-static unsigned char grey(const io_raster_product *p, double value) {
-    const double share = (value - p->black) / (p->white - p->black);
-    return !(share > 0) ? 0 : share >= 1 ? 255 : (unsigned char)(share * 255 + 0.5);
-}
-
-static double cell_value(io_cell cell, const void *cells, size_t k) {
-    if (cell == IO_CELL_UINT8) return ((const uint8_t *)cells)[k];
-    if (cell == IO_CELL_UINT16) return ((const uint16_t *)cells)[k];
-    return (double)((const float *)cells)[k];
-}
-
 static void add_rows(io_raster_writer *w, const void *cells, size_t rows) {
-    const io_raster_product *p = &w->product;
-    png_state *s = w->state;
-    for (size_t j = 0; j < rows; j++) {
-        for (size_t i = 0; i < p->nx && !p->rgb; i++) s->row[i] = grey(p, cell_value(p->cell, cells, j * p->nx + i));
-        png_write_row(s->png, p->rgb ? (const unsigned char *)cells + 3 * j * p->nx : s->row);
-    }
+    png_structp png = ((png_state *)w->state)->png;
+    for (size_t j = 0; j < rows; j++) png_write_row(png, (const unsigned char *)cells + 3 * j * w->product.nx);
 }
 
 static bool png_write(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
@@ -127,14 +107,15 @@ static uint8_t srgb(float light) {
 }
 
 bool io_png_put(io_output *out, const io_image *image, io_error *error) {
-    io_raster_writer w = {.output = *out, .product = {.nx = image->width, .ny = image->height, .rgb = true}};
+    io_raster_writer w = {.output = *out, .product = {.nx = image->width, .ny = image->height}};
     if (!png_create(&w, error)) return false;
     const size_t n = 3 * image->width;
-    unsigned char *row = ((png_state *)w.state)->row;
-    bool good = true;
+    unsigned char *row = malloc(n);
+    bool good = row != NULL || io_fail(error, "%s: out of memory", out->name);
     for (size_t y = 0; good && y < image->height; y++) {
         for (size_t k = 0; k < n; k++) row[k] = srgb(image->rgb[y * n + k]);
         good = take_step(&w, add_rows, row, 1, error);
     }
+    free(row);
     return png_finish(&w, good, error);
 }

@@ -60,7 +60,7 @@ static PyObject *geotiff_new(PyTypeObject *type, PyObject *arguments, PyObject *
         p.nx = (size_t)columns;
         p.map = (const double(*)[4])t->map;
         p.georef = &t->georef;
-        p.compression = compress ? IO_DEFLATE : IO_UNCOMPRESSED;
+        p.uncompressed = !compress;
         good = create(t, PyBytes_AsString(path), &p);
     }
     PyBuffer_Release(&map);

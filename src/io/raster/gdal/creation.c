@@ -40,7 +40,7 @@ bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io
 
 /* Each of the user's takes the place of one of the program's; a compression that of all that belongs to it. */
 static char **replace(char **options, const io_raster_product *p) {
-    static const char *const compression[] = {"LEVEL", "ZLEVEL", "ZSTD_LEVEL", "PREDICTOR"};
+    static const char *const compression[] = {"LEVEL", "ZLEVEL", "PREDICTOR"};
     for (size_t k = 0; k < p->creation_count; k++)
         if (strncasecmp(p->creation[k], "COMPRESS=", 9) == 0)
             for (size_t c = 0; c < sizeof compression / sizeof compression[0]; c++)
@@ -60,7 +60,7 @@ static const double bytes_of_a_large_file = 1 << 24;
 
 static unsigned choose_threads(const io_raster_product *p) {
     const double bytes = (double)io_cell_bytes(p->cell) * (double)p->nx * (double)p->ny * (double)p->bands;
-    if (p->compression == IO_UNCOMPRESSED || bytes < bytes_of_a_large_file) return 1;
+    if (p->uncompressed || bytes < bytes_of_a_large_file) return 1;
     const unsigned count = p->threads > 0 ? p->threads : cpus_usable();
     return count < THREADS_MAX ? count : THREADS_MAX;
 }
@@ -100,20 +100,19 @@ static char **limit_threads(char **options) {
 /* Those of all files, and more. BIGTIFF goes by the size before compression, which is larger as a rule: 2 GB of 4 are enough for
  * what is added then. */
 static char **make_options(const io_raster_product *p, const char *more) {
-    static const char *const names[] = {"DEFLATE", "ZSTD", "NONE"};
     char text[300];
-    snprintf(text, sizeof text, "COMPRESS=%s BIGTIFF=IF_SAFER NUM_THREADS=%u %s", names[p->compression],
+    snprintf(text, sizeof text, "COMPRESS=%s BIGTIFF=IF_SAFER NUM_THREADS=%u %s", p->uncompressed ? "NONE" : "DEFLATE",
              choose_threads(p), more);
     return CSLTokenizeString(text);
 }
 
 char **gdal_tiff_options(const io_raster_product *p, const size_t side[2]) {
-    /* Floats get hardly smaller by higher levels, but take three times as long. */
-    static const char *const levels[] = {"ZLEVEL=1 PREDICTOR=", "ZSTD_LEVEL=1 PREDICTOR=", ""},
-                             *const predictors[] = {"1", "2", "3", "2"}; /* by the kind of cell */
+    static const char *const predictors[] = {"1", "2", "3", "2"}; /* by the kind of cell */
     char text[200];
+    /* Floats get hardly smaller by higher levels, but take three times as long. */
     snprintf(text, sizeof text, "TILED=YES BLOCKXSIZE=%zu BLOCKYSIZE=%zu INTERLEAVE=BAND PHOTOMETRIC=MINISBLACK %s%s",
-             side[0], side[1], levels[p->compression], p->compression == IO_UNCOMPRESSED ? "" : predictors[p->cell]);
+             side[0], side[1],
+             p->uncompressed ? "" : "ZLEVEL=1 PREDICTOR=", p->uncompressed ? "" : predictors[p->cell]);
     char **options = make_options(p, text);
     return limit_threads(p->cog ? options : replace(options, p)); /* those of the user are for the COG */
 }
@@ -122,7 +121,7 @@ char **gdal_cog_options(const io_raster_product *p) {
     /* Flags and counts have no mean. GDAL's cubic one leaves the range of the values. */
     const bool counts = p->cell == IO_CELL_UINT8 || p->cell == IO_CELL_UINT16;
     char text[80];
-    snprintf(text, sizeof text, "%sOVERVIEW_RESAMPLING=%s",
-             p->compression == IO_UNCOMPRESSED ? "" : "LEVEL=1 PREDICTOR=YES ", counts ? "NEAREST" : "AVERAGE");
+    snprintf(text, sizeof text, "%sOVERVIEW_RESAMPLING=%s", p->uncompressed ? "" : "LEVEL=1 PREDICTOR=YES ",
+             counts ? "NEAREST" : "AVERAGE");
     return limit_threads(replace(make_options(p, text), p));
 }

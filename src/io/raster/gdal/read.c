@@ -42,10 +42,8 @@ static double height_unit(const char *name) {
     };
     char word[64];
     snprintf(word, sizeof word, "|%s|", name);
-    for (char *c = word; *c; c++)
-        if (*c >= 'A' && *c <= 'Z') *c = (char)(*c - 'A' + 'a');
     for (size_t k = 0; k < sizeof units / sizeof units[0]; k++)
-        if (strstr(units[k].names, word) != NULL) return units[k].metres;
+        if (strcasestr(units[k].names, word) != NULL) return units[k].metres;
     return 0;
 }
 

@@ -65,11 +65,8 @@ static bool describe(io_gdal_target *t, const io_raster_product *p) {
 
 static bool create(io_gdal_target *t, const char *path, const io_raster_product *p, io_error *error) {
     const size_t side[2] = {io_raster_tile_side(p->nx), io_raster_tile_side(p->ny)};
-    GDALDriverH driver = GDALGetDriverByName("GTiff");
     char **options = gdal_tiff_options(p, side);
-    /* Without ZSTD, GDAL itself only warns. */
-    if (p->compression != IO_ZSTD || GDALValidateCreationOptions(driver, options) != 0)
-        t->file = GDALCreate(driver, path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
+    t->file = GDALCreate(GDALGetDriverByName("GTiff"), path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
     CSLDestroy(options);
     return (t->file != NULL && describe(t, p)) || fail_write(t, error);
 }
