@@ -73,32 +73,20 @@ def test_tests_readme():
     assert len(tests) >= 30 and sorted(tests) == sorted(name for row in rows for name in re.findall(r"\w+", row))
 
 
-def check_text(page, code, mark="example"):
-    """The C code between two markers of the page is the source file but for the comments at its top."""
-    shown = between(page.read_text(), f"<!-- begin:{mark} -->\n```c\n", f"```\n<!-- end:{mark} -->")
-    assert shown == "#include" + code.read_text().split(" */\n#include", 1)[1]
-
-
-def test_readme_text():
-    check_text(README, SOURCE / "tests/package/readme_example.c")
-
-
-def test_wave_text():
-    check_text(GUIDE, SOURCE / "tests/package/wave_example.c")
-
-
-def check_example(page):
-    """The example ends well and prints what the page says."""
+def check_example(page, name):
+    """The C code between the page's markers is the program but for the comments at its top. It ends well and prints what the page says."""
+    shown = between(page.read_text(), "<!-- begin:example -->\n```c\n", "```\n<!-- end:example -->")
+    assert shown == "#include" + (SOURCE / f"tests/package/{name}_example.c").read_text().split(" */\n#include", 1)[1]
     output = run(os.environ["EXAMPLE"]).strip()
     assert output and f"It prints `{output}`" in page.read_text()
 
 
 def test_readme_example():
-    check_example(README)
+    check_example(README, "readme")
 
 
 def test_wave_example():
-    check_example(GUIDE)
+    check_example(GUIDE, "wave")
 
 
 def test_readme_commands(tmp_path):
@@ -269,12 +257,12 @@ def test_terrain_users(tmp_path):
 
 def test_cplusplus(tmp_path):
     """The public headers compile as C99 to C2x and C++98 to C++23 without a warning, with every layout that abi.c names, also where enumerations are
-    short; consumer.cpp as C++14 and later."""
+    short; a program as C++14 and later."""
     folder, plain = SOURCE / "tests/package", ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow"]
     c, cxx = (names.split(",") for names in given("C_COMPILERS", "COMPILERS"))
     cases = [(compiler, standard, *more, folder / "abi.c") for compiler in c for standard in ("c99", "c11", "c17", "c2x") for more in ((), ("-fshort-enums",))]
     cases += [(compiler, standard, "-x", "c++", folder / "abi.c") for compiler in cxx for standard in ("c++98", "c++11", "c++14", "c++17", "c++20", "c++2b")]
-    cases += [(compiler, standard, "-Wold-style-cast", folder / "consumer.cpp") for compiler in cxx for standard in ("c++14", "c++17", "c++20")]
+    cases += [(compiler, standard, "-Wold-style-cast", folder / "terrain/sky_view.cpp") for compiler in cxx for standard in ("c++14", "c++17", "c++20")]
     assert len(cases) >= 17
     for compiler, standard, *words in cases:
         strict = ["-Weverything", "-Wno-padded"] if "clang" in compiler and words[-1].name == "abi.c" else plain

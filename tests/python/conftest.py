@@ -33,15 +33,6 @@ def pytest_collection_modifyitems(items):
                 if (k + number + TURN) % min(DIVISOR, 4, len(cases)) == 0]
 
 
-def real_dem():
-    """344 x 403 samples in Tennessee, 3 seconds of arc apart; part of Debian's python3-matplotlib."""
-    for folder in ("/usr/share/matplotlib/mpl-data/sample_data", os.environ.get("CELLWALK_SAMPLE_DATA", "")):
-        path = pathlib.Path(folder) / "jacksboro_fault_dem.npz"
-        if path.exists():
-            return np.load(path)
-    pytest.skip("jacksboro_fault_dem.npz of python3-matplotlib is not there")
-
-
 def rough(rows=61, columns=83, seed=1, holes=True):
     """Hills with noise, some holes."""
     random = np.random.default_rng(seed)
@@ -107,24 +98,32 @@ def ground(request, tmp_path_factory):
         path = folder / "dem.npy"
         np.save(path, z)
         return Ground(path, cw.Field(z))
-    rasterio = pytest.importorskip("rasterio")
-    from rasterio.transform import Affine
-    transform = {"utm": Affine(30, 0, 600000, 0, -30, 5200000), "turned": Affine(25, 5, 600000, 4, -28, 5200000),
-                 "degrees": Affine(1 / 1200, 0, 10.5, 0, -1 / 1200, 47.25), "mercator": Affine(40, 0, 1.2e6, 0, -40, 5.95e6)}[request.param]
-    crs = {"degrees": "EPSG:4326", "mercator": "EPSG:3857"}.get(request.param, UTM)
-    z = z * 20 + 500
-    path = folder / "dem.tif"
-    with rasterio.open(path, "w", driver="GTiff", width=z.shape[1], height=z.shape[0], count=1, dtype="float32", crs=crs,
-                       transform=transform, nodata=np.nan) as file:
-        file.write(z, 1)
+    transform = {"utm": PLACE, "turned": (25, 5, 600000, 4, -28, 5200000), "degrees": (1 / 1200, 0, 10.5, 0, -1 / 1200, 47.25),
+                 "mercator": (40, 0, 1.2e6, 0, -40, 5.95e6)}[request.param]
+    path = geotiff(folder / "dem.tif", z * 20 + 500, {"degrees": "EPSG:4326", "mercator": "EPSG:3857"}.get(request.param, UTM), transform, nodata=np.nan)
     return Ground(path, cw.open(path))
 
 
+PLACE = 30, 0, 600000, 0, -30, 5200000
+
+
+def geotiff(path, z, crs=UTM, transform=PLACE, units="metre", **options):
+    """A file of these samples, or of that many rows and columns without any."""
+    rasterio = pytest.importorskip("rasterio")
+    shape = z if isinstance(z, tuple) else z.shape
+    with rasterio.open(path, "w", driver="GTiff", width=shape[1], height=shape[0], count=1, dtype="float32" if z is shape else z.dtype, crs=crs,
+                       transform=rasterio.Affine(*transform[:6]), **options) as file:
+        if z is not shape:
+            file.write(z, 1)
+        file.units = (units,)
+    return path
+
+
 def raster(path):
-    if path.suffix == ".npy":
+    if os.fspath(path).endswith(".npy"):
         return np.load(path)
     import rasterio
-    with rasterio.open(path) as file:
+    with rasterio.open(os.fspath(path)) as file:
         return file.read() if file.count > 1 else file.read(1)
 
 

@@ -15,7 +15,7 @@ dask = pytest.importorskip("dask")
 import cellwalk as cw  # noqa: E402
 import cellwalk.dask as cwd  # noqa: E402
 from cellwalk._convert import read_crs  # noqa: E402
-from conftest import UTM, rough, same  # noqa: E402
+from conftest import PLACE, UTM, geotiff, raster, rough, same  # noqa: E402
 
 ROWS, COLUMNS = 301, 263
 
@@ -30,25 +30,48 @@ def mountains():
 
 @pytest.fixture(scope="module", params=["utm", "turned", "degrees"])
 def file(request, tmp_path_factory):
-    transform = {"utm": rasterio.Affine(30, 0, 600000, 0, -30, 5200000), "turned": rasterio.Affine(25, 5, 600000, 4, -28, 5200000),
-                 "degrees": rasterio.Affine(1 / 360, 0, 10.5, 0, -1 / 120, 67.25)}[request.param]
-    path = tmp_path_factory.mktemp(request.param) / "dem.tif"
-    with rasterio.open(path, "w", driver="GTiff", width=COLUMNS, height=ROWS, count=1, dtype="float32", transform=transform, nodata=np.nan,
-                       crs="EPSG:4326" if request.param == "degrees" else UTM, tiled=True, blockxsize=64, blockysize=64) as f:
-        f.write(mountains(), 1)
-    return path
+    transform = {"utm": PLACE, "turned": (25, 5, 600000, 4, -28, 5200000), "degrees": (1 / 360, 0, 10.5, 0, -1 / 120, 67.25)}[request.param]
+    return geotiff(tmp_path_factory.mktemp(request.param) / "dem.tif", mountains(), "EPSG:4326" if request.param == "degrees" else UTM, transform,
+                   nodata=np.nan, tiled=True, blockxsize=64, blockysize=64)
 
 
 def compute(result):
     return np.asarray(result.compute(scheduler="threads"))
 
 
-@pytest.mark.parametrize("arguments", [
-    {"azimuth": 225, "altitude": 30}, {"azimuth": 100, "altitude": 12}, {"azimuth": 340, "altitude": 4, "disc": 1.0},
-    {"azimuth": 45, "altitude": 20, "hillshade": True}, {"azimuth": 0, "altitude": 60, "disc": True, "hillshade": True}, {"altitude": -1},
-    {"altitude": 90}, {"azimuth": 100, "altitude": 5, "curvature": 300}])
-def test_shadow(file, arguments):
-    same(compute(cwd.shadow(file, chunks=64, **arguments)), cw.open(file).shadow(**{"azimuth": 225, "altitude": 30, **arguments}))
+SUNS = [(100, 12, 2.5), (101, 30, 0.25), (240, 3, 1)]
+
+
+@pytest.mark.parametrize("name, arguments", [
+    *(("shadow", arguments) for arguments in [
+        {"azimuth": 225, "altitude": 30}, {"azimuth": 100, "altitude": 12}, {"azimuth": 340, "altitude": 4, "disc": 1.0}, {"azimuth": 45, "hillshade": True},
+        {"azimuth": 0, "altitude": 60, "disc": True, "hillshade": True}, {"altitude": -1}, {"altitude": 90}, {"azimuth": 100, "altitude": 5, "curvature": 300}]),
+    # Lower suns of a direction need more than higher ones: the chunk's window holds all that any of them needs.
+    *(("insolation", arguments) for arguments in [
+        {"date": "2024-12-21", "step": "1h"}, {"date": "2024-12-21", "to": "2024-12-23", "step": 3600, "directions": 30, "curvature": 300}, {"suns": SUNS},
+        {"suns": [(90, 8), (0, -3)], "irradiance": True}, {"suns": [(9, -1)]}, {"date": "2024-06-21", "step": "4h", "irradiance": True, "sky": 5}]),
+    ("horizon", {"directions": 5, "start": 3}), ("sky_view", {"directions": 6, "curvature": 50}), ("visibility", {"directions": 5}),
+    # Within a distance a chunk needs less than the raster.
+    *(("horizon", {"directions": 5, "start": 3, "curvature": 20, "max_distance": d}) for d in (700.0, 3000.0)),
+    *(("sky_view", {"directions": 6, "tilted": True, "max_distance": d}) for d in (700.0, 3000.0)),
+    *(("visibility", {"directions": 5, "max_distance": 900.0, "target_height": 3, "result": r}) for r in ("area", "share", "longest", "azimuth")),
+    *(("viewshed", arguments) for arguments in [{}, {"max_distance": 2500.0}, {"max_distance": 900.0, "curvature": 0, "target_height": 5}]),
+    *(("viewshed", {"needed": True, **arguments}) for arguments in [{}, {"max_distance": 2500.0}, {"max_distance": 900.0, "observer_elevation": 900}])])
+def test_products(file, name, arguments):
+    field, places = cw.open(file), ()
+    if name == "viewshed":
+        x0, y0, x1, y1 = field.bounds
+        places = np.array([[x0 + 0.3 * (x1 - x0), x0 + 0.62 * (x1 - x0)], [y0 + 0.33 * (y1 - y0), y0 + 0.7 * (y1 - y0)]])
+        places = places[:, 0] if "needed" in arguments else places
+    wanted = getattr(field, name)(*places, **arguments)
+    level = arguments.get("altitude") == 90 or arguments.get("suns") == [(9, -1)] or "observer_elevation" in arguments
+    assert len(np.unique(wanted[np.isfinite(wanted)])) > 1 or level  # or anything would be the same
+    same(compute(getattr(cwd, name)(file, *places, chunks=64, **arguments)), wanted)
+
+
+def test_lowest_suns_of_directions():
+    plan = cwd.Plan("insolation", {"directions": 8, "curvature": 7}, "", {}, inputs=(np.array([(2, 9), (359, 4), (50, 60), (3, -9)], float),))
+    np.testing.assert_array_equal(cwd._lights_of(plan), [[0, 4, 0, 7], [45, 60, 0, 7]])
 
 
 def test_shadow_reaches_over_chunks(file):
@@ -62,6 +85,8 @@ def test_shadow_reaches_over_chunks(file):
     assert low.shape == (2, 2) and low[0, 0] == np.nanmin(z[:256, :256]) and high[1, 0] == np.nanmax(z[256:, :256])
     window = r.reach("sunward", (0, 0, 64, 64), (low, high, np.array([[90.0, 30, 0, 0]])), highest=float(high.max()))
     assert window.columns < COLUMNS and window.row == 0 and window.rows < 80
+    near = r.reach("beside", (128, 64, 64, 64), max_distance=700.0)
+    assert near.rows * near.columns < ROWS * COLUMNS / 2 and near.row < 128 and near.row + near.rows > 192
 
 
 def test_blocks_of_chunks_that_are_not_aligned(file):
@@ -96,98 +121,43 @@ def test_blocks_out_of_reach_are_not_looked_at():
     assert differ > 50
 
 
-@pytest.mark.parametrize("arguments", [
-    {"date": "2024-12-21", "step": "1h"}, {"date": "2024-12-21", "to": "2024-12-23", "step": 3600, "directions": 30, "curvature": 300},
-    {"suns": [(100, 12, 2.5), (101, 30, 0.25), (240, 3, 1)]}, {"suns": [(90, 8), (0, -3)], "irradiance": True}, {"suns": [(9, -1)]},
-    {"date": "2024-12-21", "step": "4h", "irradiance": True, "sky": 5}])
-def test_insolation(file, arguments):
-    """Lower suns of a direction need more than higher ones: the chunk's window holds all that any of them needs."""
-    same(compute(cwd.insolation(file, chunks=64, **arguments)), cw.open(file).insolation(**arguments))
-    plan = cwd.Plan("insolation", {"directions": 8, "curvature": 7}, "", {}, inputs=(np.array([(2, 9), (359, 4), (50, 60), (3, -9)], float),))
-    np.testing.assert_array_equal(cwd._lights_of(plan), [[0, 4, 0, 7], [45, 60, 0, 7]])
-
-
-def test_horizon_and_sky_view(file):
-    field = cw.open(file)
-    same(compute(cwd.horizon(file, 5, start=3, chunks=100)), field.horizon(5, start=3))
-    same(compute(cwd.sky_view(file, 6, chunks=100, curvature=50)), field.sky_view(6, curvature=50))
-    # Within a distance a chunk needs less than the raster.
-    for distance in (700.0, 3000.0):
-        wanted = field.horizon(5, distance, start=3, curvature=20)
-        assert not np.array_equal(wanted, field.horizon(5, start=3, curvature=20), equal_nan=True)
-        same(compute(cwd.horizon(file, 5, distance, start=3, chunks=64, curvature=20)), wanted)
-        same(compute(cwd.sky_view(file, 6, distance, chunks=64, tilted=True)), field.sky_view(6, distance, tilted=True))
-    r = cwd._Raster(file, 64, 1, None, None, None, 2e9)
-    near = r.reach("beside", (128, 64, 64, 64), max_distance=700.0)
-    assert near.rows * near.columns < ROWS * COLUMNS / 2 and near.row < 128 and near.row + near.rows > 192
-
-
-def test_visibility(file):
-    field = cw.open(file)
-    same(compute(cwd.visibility(file, 5, chunks=100)), field.visibility(5))
-    for result in ("area", "share", "longest", "azimuth"):
-        wanted = field.visibility(5, 900.0, target_height=3, result=result)
-        same(compute(cwd.visibility(file, 5, 900.0, target_height=3, result=result, chunks=64)), wanted)
-
-
-def test_viewshed(file):
-    field = cw.open(file)
-    x0, y0, x1, y1 = field.bounds
-    x, y = [x0 + 0.3 * (x1 - x0), x0 + 0.62 * (x1 - x0)], [y0 + 0.33 * (y1 - y0), y0 + 0.7 * (y1 - y0)]
-    for arguments in ({}, {"max_distance": 2500.0}, {"max_distance": 900.0, "curvature": 0, "target_height": 5}):
-        wanted = field.viewshed(x, y, **arguments)
-        assert (wanted == 1).any() and (wanted == 0).any()
-        same(compute(cwd.viewshed(file, x, y, chunks=70, **arguments)), wanted)
-    for arguments in ({}, {"max_distance": 2500.0}, {"max_distance": 900.0, "observer_elevation": 900}):
-        wanted = field.viewshed(x[0], y[0], needed=True, **arguments)
-        assert np.isfinite(wanted).any() and np.isnan(wanted).any()
-        same(compute(cwd.viewshed(file, x[0], y[0], needed=True, chunks=70, **arguments)), wanted)
-
-
-def test_chunked_dataarray():
+@pytest.mark.parametrize("placed", [True, False])
+def test_chunked_dataarray(tmp_path, placed):
+    """With coordinates, and without a map; a GeoTIFF has the place of the result."""
     z = mountains()
     d = xr.DataArray(np.where(np.isnan(z), -9999, z), dims=("y", "x"), attrs={"_FillValue": -9999.0},
-                     coords={"y": 5e6 - 30.0 * np.arange(ROWS), "x": 6e5 + 30.0 * np.arange(COLUMNS)})
-    lit = cwd.shadow(d.chunk({"x": 50, "y": 90}), 100, 10)
-    assert isinstance(lit, xr.DataArray) and lit.chunks == ((90, 90, 90, 31), (50, 50, 50, 50, 50, 13))
-    wanted = cw.Field(d).shadow(100, 10)
+                     coords={"y": 5e6 - 30.0 * np.arange(ROWS), "x": 6e5 + 30.0 * np.arange(COLUMNS)} if placed else None)
+    chunked, field = d.chunk({"x": 50, "y": 90}), cw.Field(d)
+    lit, wanted = cwd.shadow(chunked, 100, 10), field.shadow(100, 10)
+    assert isinstance(lit, xr.DataArray) and lit.chunks == ((90, 90, 90, 31), (50, 50, 50, 50, 50, 13)) and lit.attrs == wanted.attrs
     same(lit.compute(scheduler="threads").values, wanted.values)
-    assert (lit.x == d.x).all() and lit.attrs == wanted.attrs
-    same(compute(cwd.sky_view(d.chunk({"x": 100, "y": 90}), 4)), cw.Field(d).sky_view(4).values)
-    same(compute(cwd.viewshed(d.chunk({"x": 100, "y": 90}), 603000, 4996000, max_distance=1500)),
-         cw.Field(d).viewshed(603000, 4996000, max_distance=1500).values)
-
-
-def test_without_a_map():
-    d = xr.DataArray(mountains(), dims=("y", "x"))
-    field, chunked = cw.Field(d), d.chunk({"x": 60, "y": 60})
-    same(compute(cwd.shadow(chunked, 20, 40)), field.shadow(20, 40).values)
-    same(compute(cwd.viewshed(chunked, 100, 190, max_distance=50)), field.viewshed(100, 190, max_distance=50).values)
+    assert (lit.x == d.x).all()
+    x, y, near = (603000, 4996000, 1500) if placed else (100, 190, 50)
+    same(compute(cwd.viewshed(chunked, x, y, max_distance=near)), field.viewshed(x, y, max_distance=near).values)
+    same(compute(cwd.sky_view(chunked, 4)), field.sky_view(4).values)
+    if placed:
+        cwd.to_geotiff(cwd.shadow(d.chunk({"x": 256, "y": 256})), tmp_path / "shadow.tif")
+        with rasterio.open(tmp_path / "shadow.tif") as f:
+            assert f.transform == rasterio.Affine(30, 0, 6e5 - 15, 0, -30, 5e6 + 15) and f.nodata == 255
+            same(f.read(1), field.shadow().values)
 
 
 @pytest.mark.parametrize("file", ["utm"], indirect=True)
-def test_what_is_too_much_is_said_before(file):
-    with pytest.raises(ValueError, match=r"max_distance: None, so far mountains may count: a chunk needs 301 x 263 samples around it, 0.00 GB a task, more than"):
-        cwd.sky_view(file, memory=1e5)
-    with pytest.raises(ValueError, match="max_distance: 2000: a chunk needs"):
-        cwd.horizon(file, 4, 2000, memory=1e5)
-    with pytest.raises(ValueError, match="altitude: -1"):
-        cwd.shadow(file, altitude=-1, memory=1e5)
-    with pytest.raises(ValueError, match="max_distance"):
-        cwd.viewshed(file, *cw.open(file).bounds[:2], 5, memory=1e5)
-    with pytest.raises(TypeError, match="source: ndarray"):
-        cwd.shadow(mountains())
-    with pytest.raises(ValueError, match="needed: that of one observer, not of 2"):
-        cwd.viewshed(file, [1, 2], 3, needed=True)
-    for chunks in (0, -5, "many", (3, 3, 3)):
-        with pytest.raises(ValueError, match="^chunks: .*for a raster of 301 x 263"):
-            cwd.shadow(file, chunks=chunks)
-    with pytest.raises(TypeError, match="nodata: 'none'"):
-        cwd.shadow(file, nodata="none")
-    with pytest.raises(TypeError, match="result: int, expected what"):
-        cwd.to_geotiff(3, "nowhere.tif")
-    with pytest.raises(ValueError, match="max_distance: 0, expected metres above 0"):
-        cwd.sky_view(file, max_distance=0)
+@pytest.mark.parametrize("call, kind, words", [
+    (lambda f: cwd.sky_view(f, memory=1e5), ValueError,
+     "max_distance: None, so far mountains may count: a chunk needs 301 x 263 samples around it, 0.00 GB a task, more than"),
+    (lambda f: cwd.horizon(f, 4, 2000, memory=1e5), ValueError, "max_distance: 2000: a chunk needs"),
+    (lambda f: cwd.shadow(f, altitude=-1, memory=1e5), ValueError, "altitude: -1"),
+    (lambda f: cwd.viewshed(f, *cw.open(f).bounds[:2], 5, memory=1e5), ValueError, "max_distance"),
+    (lambda f: cwd.shadow(mountains()), TypeError, "source: ndarray"),
+    (lambda f: cwd.viewshed(f, [1, 2], 3, needed=True), ValueError, "needed: that of one observer, not of 2"),
+    *((lambda f, chunks=chunks: cwd.shadow(f, chunks=chunks), ValueError, "^chunks: .*for a raster of 301 x 263") for chunks in (0, -5, "many", (3, 3, 3))),
+    (lambda f: cwd.shadow(f, nodata="none"), TypeError, "nodata: 'none'"),
+    (lambda f: cwd.to_geotiff(3, "nowhere.tif"), TypeError, "result: int, expected what"),
+    (lambda f: cwd.sky_view(f, max_distance=0), ValueError, "max_distance: 0, expected metres above 0")])
+def test_what_is_too_much_is_said_before(file, call, kind, words):
+    with pytest.raises(kind, match=words):
+        call(file)
 
 
 @pytest.mark.parametrize("file", ["utm"], indirect=True)
@@ -215,16 +185,7 @@ def test_chunks_are_written_as_they_are_done(file, tmp_path, monkeypatch):
     with dask.config.set(scheduler="synchronous"):
         cwd.to_geotiff(result, tmp_path / "horizon.tif")
     assert order == ["computed", "written"] * 9
-    with rasterio.open(tmp_path / "horizon.tif") as f:
-        same(f.read(), cw.open(file).horizon(4, 900))
-
-
-def test_geotiff_has_the_place_of_the_result(tmp_path):
-    d = xr.DataArray(mountains(), dims=("y", "x"), coords={"y": 5e6 - 30.0 * np.arange(ROWS), "x": 6e5 + 30.0 * np.arange(COLUMNS)})
-    cwd.to_geotiff(cwd.shadow(d.chunk({"x": 256, "y": 256})), tmp_path / "shadow.tif")
-    with rasterio.open(tmp_path / "shadow.tif") as f:
-        assert f.transform == rasterio.Affine(30, 0, 6e5 - 15, 0, -30, 5e6 + 15) and f.nodata == 255
-        same(f.read(1), cw.Field(d).shadow().values)
+    same(raster(tmp_path / "horizon.tif"), cw.open(file).horizon(4, 900))
 
 
 @pytest.mark.parametrize("file", ["utm"], indirect=True)
@@ -263,3 +224,17 @@ def test_a_worker_is_killed(file, tmp_path):
         same(f.read(), wanted)
         assert f.transform == source.transform and f.crs == source.crs
     assert not list(tmp_path.glob("*.part")) and not list(tmp_path.glob(".*.tmp"))
+
+
+def test_zarr(tmp_path):
+    """Workers write chunks there themselves."""
+    pytest.importorskip("zarr")
+    d = xr.DataArray(rough(), dims=("y", "x"), coords={"y": 5e6 - 30.0 * np.arange(61), "x": 6e5 + 30.0 * np.arange(83)})
+    np.save(tmp_path / "dem.npy", d.values)
+    for k, (result, wanted) in enumerate([
+            (cwd.shadow(d.chunk({"x": 32, "y": 32}), 100, 12), cw.Field(d).shadow(100, 12)),
+            (cwd.horizon(tmp_path / "dem.npy", 4, 20, chunks=32), cw.open(tmp_path / "dem.npy").horizon(4, 20))]):
+        result.to_dataset().to_zarr(tmp_path / f"{k}.zarr")
+        back = xr.open_zarr(tmp_path / f"{k}.zarr", mask_and_scale=False)[result.name]
+        assert back.chunks == result.chunks and (back.x == result.x).all()
+        same(back.values, np.asarray(wanted))

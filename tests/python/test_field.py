@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 from hypothesis.extra import numpy as hn
 
 import cellwalk as cw
-from conftest import UTM, random_rays, rough, same, same_hits, share
+from conftest import UTM, geotiff, random_rays, rough, same, same_hits, share
 
 
 def ask(field):
@@ -44,17 +44,13 @@ def test_contiguous_floats_are_not_copied_nor_changed():
 
 
 def test_holes():
-    z = rough()
-    wanted = ask(cw.Field(z))
-    filled = np.where(np.isnan(z), np.float32(-9999), z)
-    same_hits(ask(cw.Field(filled, nodata=-9999)), wanted)
-    same(filled, np.where(np.isnan(z), np.float32(-9999), z))
-    same_hits(ask(cw.Field(np.ma.masked_invalid(z))), wanted)
-    same_hits(ask(cw.Field(np.ma.MaskedArray(filled, filled == -9999))), wanted)
-    same_hits(ask(cw.Field(np.where(np.isnan(z), np.float32(np.inf), z))), wanted)
-    same_hits(ask(cw.Field(filled.astype(np.float64), nodata=-9999)), wanted)
-    lowest = float(np.finfo(np.float32).min)  # as headers spell it in double
-    same_hits(ask(cw.Field(np.where(np.isnan(z), np.float32(lowest), z), nodata=-3.4028234663852886e38)), wanted)
+    z, lowest = rough(), np.finfo(np.float32).min
+    wanted, (filled, low, infinite) = ask(cw.Field(z)), (np.where(np.isnan(z), np.float32(value), z) for value in (-9999, lowest, np.inf))
+    for form, nodata in ((filled, -9999), (np.ma.masked_invalid(z), None), (np.ma.MaskedArray(filled, filled == -9999), None), (infinite, None),
+                         (filled.astype(np.float64), -9999), (low, -3.4028234663852886e38)):  # the last as headers spell it in double
+        before = form.copy()
+        same_hits(ask(cw.Field(form, nodata=nodata)), wanted)
+        same(np.ma.getdata(form), np.ma.getdata(before))
     assert cw.Field(z).shadow()[11, 22] == 255
 
 
@@ -74,39 +70,24 @@ def test_update_is_a_new_field(z, data):
 
 
 def test_update_that_is_refused():
-    z = rough(holes=False)
-    field = cw.Field(z)
+    field = cw.Field(rough(holes=False))
     wanted = ask(field)
-    with pytest.raises(ValueError, match=r"block: sample \(3, 3\) is 2e"):
-        field.update(3, 3, np.full((5, 5), 2e30, np.float32))
-    same_hits(ask(field), wanted)
-    with pytest.raises(ValueError, match=r"block: shape \(5, 5\) at \(60, 3\) goes beyond the field's \(61, 83\)"):
-        field.update(60, 3, np.zeros((5, 5)))
-    with pytest.raises(ValueError, match=r"row: -1"):
-        field.update(-1, 3, np.zeros((5, 5)))
+    for row, block, words in ((3, np.full((5, 5), 2e30, np.float32), r"block: sample \(3, 3\) is 2e"), (-1, np.zeros((5, 5)), "row: -1"),
+                              (60, np.zeros((5, 5)), r"block: shape \(5, 5\) at \(60, 3\) goes beyond the field's \(61, 83\)")):
+        with pytest.raises(ValueError, match=words):
+            field.update(row, 3, block)
+        same_hits(ask(field), wanted)
     field.update(0, 0, np.full((1, 3), np.inf))
     assert np.isnan(field.z[0, :3]).all()
 
 
 def test_maps():
-    z = rough()
-    affine = pytest.importorskip("affine").Affine(30, 2, 600000, 1, -30, 5200000)
-    field = cw.Field(z, transform=affine, crs=UTM) if _looks_up() else cw.Field(z, transform=affine)
-    same_hits(ask(cw.Field(z, transform=tuple(affine)[:6])), ask(field))
-    same_hits(ask(cw.Field(z, transform=np.array(affine).reshape(3, 3))), ask(field))
+    z, affine = rough(), pytest.importorskip("affine").Affine(30, 2, 600000, 1, -30, 5200000)
+    field = cw.Field(z, transform=affine, crs=UTM)
+    for form in (tuple(affine)[:6], np.array(affine).reshape(3, 3), field.map):
+        same_hits(ask(cw.Field(z, transform=form)), ask(field))
     assert field.transform == pytest.approx(tuple(affine)[:6], rel=1e-14)
-    x, y = affine * (10.5, 20.5)
-    assert field.at(x, y) == pytest.approx(z[20, 10], abs=1e-4)
-    whole = cw.Field(z, transform=field.map)
-    same_hits(ask(whole), ask(field))
-
-
-def _looks_up():
-    try:
-        import rasterio  # noqa: F401
-        return True
-    except ImportError:
-        return False
+    assert field.at(*affine * (10.5, 20.5)) == pytest.approx(z[20, 10], abs=1e-4)
 
 
 @pytest.mark.parametrize("z, keywords, kind, words", [
@@ -242,21 +223,16 @@ def test_repr():
 
 
 def test_open_geotiff_window(tmp_path):
+    """Or a dataset of rasterio's."""
     rasterio = pytest.importorskip("rasterio")
     z = rough()
-    stored = np.where(np.isnan(z), -9999, np.round(z * 10)).astype(np.int16)
-    with rasterio.open(tmp_path / "z.tif", "w", driver="GTiff", width=83, height=61, count=1, dtype="int16", nodata=-9999,
-                       transform=rasterio.Affine(30, 0, 600000, 0, -30, 5200000), crs=UTM, tiled=True, blockxsize=16, blockysize=16) as f:
-        f.write(stored, 1)
-    whole = cw.open(tmp_path / "z.tif")
-    part = cw.open(tmp_path / "z.tif", window=rasterio.windows.Window(9, 5, 33, 44))
+    path = geotiff(tmp_path / "z.tif", np.where(np.isnan(z), -9999, np.round(z * 10)).astype(np.int16), nodata=-9999, tiled=True, blockxsize=16, blockysize=16)
+    whole, part = cw.open(path), cw.open(path, window=rasterio.windows.Window(9, 5, 33, 44))
     same(part.z, whole.z[5:49, 9:42])
     same(part.map[:, :3], whole.map[:, :3])
     assert part.bounds[0] == whole.bounds[0] + 9 * 30
-    with rasterio.open(tmp_path / "z.tif") as f:
+    with rasterio.open(path) as f:
         dataset = cw.Field(f)
     same(dataset.z, whole.z)
     same(dataset.map, whole.map)
-    same_hits(ask(dataset), ask(whole))
-    x, y = 600900.0, 5199000.0
-    same(dataset.viewshed(x, y), whole.viewshed(x, y))
+    same(dataset.viewshed(600900.0, 5199000.0), whole.viewshed(600900.0, 5199000.0))

@@ -3,7 +3,6 @@
 of the place, so nothing is resampled: grids differ in where their triangles stand."""
 import csv
 import io
-import json
 import re
 import warnings
 
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 
 import cellwalk as cw
+from conftest import geotiff as write, raster, same
 
 rasterio = pytest.importorskip("rasterio")
 from rasterio.transform import Affine  # noqa: E402
@@ -42,14 +42,6 @@ def to_space(longitude, latitude):
 
 def degrees_of(crs, x, y):
     return transform(crs, "EPSG:4326", list(np.ravel(x)), list(np.ravel(y)))
-
-
-def write(path, z, crs, affine):
-    with rasterio.open(path, "w", driver="GTiff", width=z.shape[1], height=z.shape[0], count=1, dtype="float32", crs=crs,
-                       transform=affine) as file:
-        file.write(z, 1)
-        file.units = ("metre",)
-    return path
 
 
 @pytest.fixture(scope="module")
@@ -166,23 +158,6 @@ def test_lines_of_sight(tool, maps, tmp_path):
     assert np.mean(agree) >= 0.9 and 3 < sum(answers[0] for answers in seen.values()) < 17
 
 
-def test_max_distance(tool, maps, tmp_path):
-    distance, eye = 3000.0, (MIDDLE[0] + 200, MIDDLE[1] - 300)
-    for name, path in maps.items():
-        crs, out = MAPS[name], tmp_path / f"{name}.tif"
-        (x,), (y,) = transform("EPSG:32632", crs, [eye[0]], [eye[1]])
-        tool("viewshed", path, "--from", f"{x!r},{y!r}", "--max-distance", distance, "--needed", "--window=-1e9,-1e9,1e9,1e9", "-o", out)
-        with rasterio.open(out) as file:
-            near = np.isfinite(file.read(1))
-            j, i = np.mgrid[0:file.height, 0:file.width] + 0.5
-            xs, ys = file.transform * (i, j)
-        here = to_space(*map(np.array, degrees_of(crs, [x], [y])))
-        away = np.linalg.norm(to_space(*map(np.array, degrees_of(crs, xs, ys))) - here, axis=0).reshape(near.shape)
-        doubt = 1.1 * distance ** 2 / (2 * 6.37e6) + 1e-6 * distance
-        assert near[away < distance - doubt].all() and not near[away > distance + doubt].any(), name
-        assert near.sum() > 20000
-
-
 def test_a_scale_that_changes_fast(tool, maps, tmp_path):
     z = np.zeros((40, 40), "float32")
     path = write(tmp_path / "tall.tif", z, "EPSG:3857", Affine(5000, 0, 1e6, 0, -5000, 6e6))
@@ -234,9 +209,7 @@ def test_each_command_warns_once(program, commands, tmp_path):
     """Of each thing that looks wrong, whatever part of the raster it reads, and however often."""
     z = np.full((10, 10), 1e9, "float32")
     z[4, 4] = -9999
-    path = write(tmp_path / "dem.tif", z, FEET, Affine(100, 0, 1.6e6, 0, -100, 4e5))
-    with rasterio.open(path, "r+") as file:
-        file.units = (None,)
+    path = write(tmp_path / "dem.tif", z, FEET, Affine(100, 0, 1.6e6, 0, -100, 4e5), units=None)
     for command, *rest in commands:
         done = program(command, path, *rest)
         warned = [done.stderr.count(words) for words in ("heights taken as US survey ft", "1 samples are -9999", "rounded to multiples of 64")]
@@ -244,92 +217,53 @@ def test_each_command_warns_once(program, commands, tmp_path):
         assert done.stderr.count("warning:") == 3 + (command == "render"), done.stderr  # nothing of land as high as that is in the picture
 
 
-def test_guessed_heights(program, tmp_path):
-    """Feet for x and y say nothing of heights."""
-    place = Affine(100, 0, 1.6e6, 0, -100, 4e5)
-    for units, words, warned in ((None, [], True), (None, ["--zscale", "3.2808"], False), ("metre", [], False), ("ft", [], False)):
-        path = write(tmp_path / "feet.tif", np.zeros((9, 9), "float32"), FEET, place)
-        with rasterio.open(path, "r+") as file:
-            file.units = (units,)
-        said = program("shadow", path, "--sun", "200,30", "-o", tmp_path / "o.tif", *words).stderr
-        assert ("heights taken as US survey ft, as x and y; --zscale 3.2808 if they are metres" in said) == warned, said
-        assert said.count("warning:") == warned
-    with pytest.warns(UserWarning, match="^crs: heights taken as US survey ft"):
-        cw.Field(np.zeros((9, 9)), place, rasterio.crs.CRS.from_string(FEET))
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        cw.Field(np.zeros((9, 9)), place, rasterio.crs.CRS.from_string(FEET), zscale=3.2808)
-        cw.Field(np.zeros((9, 9)), Affine(100, 0, 6e5, 0, -100, 5e6), "EPSG:32632")
+DEGREES, METRES, HILLS = (1 / 1200, 0, 10.5, 0, -1 / 1200, 47.25), (30, 0, 6e5, 0, -30, 5.2e6), np.arange(1, 26, dtype="float32").reshape(5, 5)
+TILE = np.random.default_rng(3).uniform(104, 400, (20, 50)).astype("float32")
+TILE[:, :14] = 0
+STATE = (100, 0, 1.6e6, 0, -100, 4e5), FEET
 
 
-DEGREES, METRES = (1 / 1200, 0, 10.5, 0, -1 / 1200, 47.25), (30, 0, 6e5, 0, -30, 5.2e6)
-WARNED = {
-    "degrees": (lambda z: cw.Field(z, DEGREES), "looks like degrees"),
-    "no data": (lambda z: cw.Field(np.where(z > 2, z, -9999), METRES), "3 samples are -9999.*nodata=-9999"),
-    "rounded": (lambda z: cw.Field(z + 1e9, METRES), "up to 1e.09 are rounded to multiples of 64"),
-    "night": (lambda z: cw.Field(z, METRES).shadow(200, -3), "sun is at -3.000 degrees, below the horizon"),
-}
-
-
-@pytest.mark.parametrize("name", WARNED)
-def test_what_looks_wrong(name):
-    """Said at the caller's line."""
-    make, words = WARNED[name]
-    z = np.arange(25.0).reshape(5, 5)
-    with pytest.warns(UserWarning, match=words) as said:
-        make(z)
-    assert len(said) == 1 and said[0].filename == __file__
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        cw.Field(z, METRES).shadow(200, 3)
-        cw.Field(z, DEGREES, "EPSG:4326")
-        cw.Field(np.where(z > 2, z, -9999), METRES, nodata=-9999)
-
-
-def test_rounded_heights_in_the_program(program, tmp_path):
-    path = write(tmp_path / "high.tif", np.full((5, 5), 1e9, "float32"), MAPS["utm"], Affine(*METRES))
-    said = program("shadow", path, "--sun", "200,30", "-o", tmp_path / "o.tif").stderr
-    assert "heights are floats, and those up to 1e+09 are rounded to multiples of 64" in said
-
-
-def test_a_missing_tile(program, tmp_path):
-    """A part that no file covers reads as 0."""
-    random = np.random.default_rng(3)
-    z = random.uniform(104, 400, (20, 50)).astype("float32")
-    z[:, :14] = 0
-    path = write(tmp_path / "tile.tif", z, MAPS["utm"], Affine(*METRES))
-    words = "28 % of the samples are exactly 0, and the next ones are 104"
-    for name, arguments, warned in (("shadow", ["--sun", "200,30", "-o", tmp_path / "o.tif"], True), ("info", [], True),
-                                    ("info", ["--nodata", "0"], False)):
-        said = program(name, path, *arguments).stderr
-        assert (words in said) == warned and said.count("warning:") == warned, said
-    with pytest.warns(UserWarning, match=f"^z: {words}.*nodata=0"):
-        cw.Field(z, METRES)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        for usual in (z - 104, np.where(z > 110, 0, z), np.where(z > 399.9, z, 0)):  # a coast, a plain with towers
-            cw.Field(usual + (usual == 0) * (np.arange(50) % 2) * 0.5, METRES)
-        cw.Field(z, METRES, nodata=0)
+@pytest.mark.parametrize("z, place, units, words, silent", [
+    (HILLS, (DEGREES, None), None, "looks like degrees", {}),
+    (np.where(HILLS > 3, HILLS, -9999), (METRES, MAPS["utm"]), "metre", "3 samples are -9999", {"nodata": -9999}),
+    (HILLS + 1e9, (METRES, MAPS["utm"]), "metre", "heights are floats, and those up to 1e+09 are rounded to multiples of 64", {}),
+    (HILLS, STATE, None, "heights taken as US survey ft, as x and y;", {"zscale": 3.2808}),
+    # A part that no file covers reads as 0. A coast, and a plain with towers, look otherwise.
+    (TILE, (METRES, MAPS["utm"]), "metre", "28 % of the samples are exactly 0, and the next ones are 104", {"nodata": 0}),
+    *((z + (z == 0) * (np.arange(50) % 2) * np.float32(0.5), (METRES, MAPS["utm"]), "metre", None, {})
+      for z in (TILE - 104, np.where(TILE > 110, 0, TILE), np.where(TILE > 399.9, TILE, 0).astype("float32"))),
+    (HILLS, (DEGREES, "EPSG:4326"), "metre", None, {}), (HILLS, STATE, "metre", None, {}), (HILLS, STATE, "ft", None, {})])
+def test_what_looks_wrong(program, tmp_path, z, place, units, words, silent):
+    """Is said once by the program, and by Python at the caller's line; so is what would silence it. Feet for x and y say nothing of heights."""
+    path, z = write(tmp_path / "dem.tif", z.astype("float32"), place[1], place[0], units), z.astype("float32")
+    for more, options, warned in [((), {}, words)] + [((f"--{k}", v), {k: v}, None) for k, v in silent.items()]:
+        for command in ("shadow", "--sun", "200,30", "-o", tmp_path / "o.tif"), ("info",):
+            said = program(command[0], path, *command[1:], *more).stderr
+            assert said.count("warning:") == (warned is not None) and (warned or "") in said and all(f"--{k} {v}" in said for k, v in silent.items() if warned)
+        makers = [lambda: cw.open(path, **options)] + [lambda: cw.Field(z, *place, **options)] * (units is None or place is not STATE)
+        for make in makers:
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                make()
+            assert len(caught) == (warned is not None) and all(warning.filename == __file__ for warning in caught), caught
+            assert all(warned in str(warning.message) and all(f"{k}={v}" in str(warning.message) for k, v in silent.items()) for warning in caught), caught
 
 
 @pytest.mark.parametrize("arguments", [{}, {"hillshade": True}, {"disc": True}, {"curvature": 1.0}])
-def test_night_at_the_rim(tool, tmp_path, arguments):
-    """Nothing is lit below what the dip of the horizon explains."""
+def test_night(arguments):
+    """Is said, and nothing is lit below what the dip of the horizon explains; at the rim there is some light."""
     y, x = np.mgrid[0:60, 0:60]
     z = (600 + 300 * np.sin(x / 7) * np.cos(y / 5)).astype("float32")
     z[4, 5] = np.nan
-    field = cw.Field(z, METRES, MAPS["utm"])
-    dip = np.degrees(np.arccos(6378137 / (6378137 + z)))
-    for azimuth in range(0, 360, 40):
-        for altitude in (-89.9, -30.0, -3.0, -1.5, -0.6, -0.3):
-            with pytest.warns(UserWarning, match="below the horizon"):
-                lit = field.shadow(azimuth, altitude, **arguments)
-            top = altitude + (0.2666 if "disc" in arguments else 0)
-            dark = np.isfinite(z) & (dip < -top - 1e-6)
-            assert (lit[dark] == 0).all() and dark.sum() in ((3599,) if top < -1 else range(3600))
-            assert lit[4, 5] == 255 if lit.dtype == np.uint8 else np.isnan(lit[4, 5])
-    with pytest.warns(UserWarning):
-        assert any((field.shadow(azimuth, -0.3, **arguments) > 0)[:, [0, -1]].any() for azimuth in range(0, 360, 90))
+    field, dip = cw.Field(z, METRES, MAPS["utm"]), np.degrees(np.arccos(6378137 / (6378137 + z)))
+    rim = []
+    for azimuth, altitude in ((a, h) for a in range(0, 360, 90) for h in (-89.9, -3.0, -1.5, -0.6, -0.3)):
+        with pytest.warns(UserWarning, match=f"sun is at {altitude:.3f} degrees, below the horizon") as said:
+            lit = field.shadow(azimuth, altitude, **arguments)
+        assert len(said) == 1 and said[0].filename == __file__ and (lit[4, 5] == 255 if lit.dtype == np.uint8 else np.isnan(lit[4, 5]))
+        assert (lit[np.isfinite(z) & (dip < -altitude - ("disc" in arguments) * 0.2666 - 1e-6)] == 0).all()
+        rim.append(altitude == -0.3 and (lit[:, [0, -1]] > 0).any())
+    assert any(rim)
 
 
 # ---- places ------------------------------------------------------------------------------------------------------------------
@@ -350,8 +284,7 @@ def test_places_written_to_the_millimetre(name, tool, tmp_path):
         seen = field.viewshed(x, y, 300)
         assert seen[row, column] == 1
         tool("viewshed", path, "--from", f"{x},{y},300", "-o", tmp_path / "seen.tif")
-        with rasterio.open(tmp_path / "seen.tif") as file:
-            assert file.read(1).tobytes() == seen.tobytes()
+        same(raster(tmp_path / "seen.tif"), seen)
     with pytest.raises(ValueError, match="no ground"):
         field.viewshed(*(affine * (4.5 + 0.02, 4.5 - 0.02)), 2)  # 0.2 m or 0.07 m off: in a hole
 
@@ -379,14 +312,6 @@ def test_small_cells_far_from_the_origin(cell, turned):
 # ---- sums -------------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("directions", [1, 3, 7, 32, 360, 720, 3599])
-def test_the_sky_of_a_plain_is_whole(directions):
-    plain = cw.Field(np.full((7, 9), 300.0))
-    assert (plain.sky_view(directions) == 1).all() and (plain.sky_view(directions, tilted=True) == 1).all()
-    rough = cw.Field(np.random.default_rng(1).normal(0, 1e-4, (7, 9)))
-    assert (rough.sky_view(directions) <= 1).all()
-
-
 @pytest.mark.parametrize("tilt", [0, 37, 89.9, 90, 90.1, 135, 180])
 def test_the_sky_of_a_leaning_surface(tilt):
     """A surface on a plain sees (1 + cos tilt) / 2 of it; one that overhangs sees less and less, and never less than nothing."""
@@ -400,31 +325,23 @@ def test_the_sky_of_a_leaning_surface(tilt):
 
 
 def test_horizons_of_places(program, tool, maps, tmp_path):
-    """All that are given, in order; azimuths of the map and from true north; a table of places, and JSON, say the same."""
+    """A table of places and those of the command line say the same; azimuths of the map and from true north are apart by UTM's formula."""
     east, north = inside(3)
     for name in ("utm", "degrees"):
-        crs, path = MAPS[name], maps[name]
+        crs, path, table = MAPS[name], maps[name], tmp_path / "places.csv"
         x, y = transform("EPSG:32632", crs, list(east), list(north))
         given = [f"{a!r},{b!r},{k}" for k, (a, b) in enumerate(zip(x, y))]
-        single = [tool("horizon", path, "--at", place, "--directions", "5", "--start", "7").splitlines() for place in given]
-        words = "horizon", path, *(w for place in given for w in ("--at", place)), "--directions", "5", "--start", "7"
-        lines = tool(*words).splitlines()
-        assert lines[0] == "place,azimuth,true_azimuth,angle,distance,x,y" and len(lines) == 16
-        assert [line.split(",", 1) for line in lines[1:]] == [[str(k + 1), line.split(",", 1)[1]] for k in range(3) for line in single[k][1:]]
-        table = tmp_path / "places.csv"
-        table.write_text("x,y,height\n" + "".join(f"{place}\n" for place in given))
-        rest = "--directions", "5", "--start", "7"
-        assert program("horizon", path, "--places", table, *rest, "-o", tmp_path / "out.csv").stdout == ""
-        assert (tmp_path / "out.csv").read_text().splitlines() == lines
-        # The way to a place 1 km north, and east, on the ground.
-        lon, lat = (np.array(v) for v in degrees_of(crs, x, y))
-        true, of_map = (np.array([[float(line.split(",")[c]) for line in lines[1:]]]).reshape(3, 5)[:, 0] for c in (2, 1))
-        if name == "degrees":
-            assert (true == of_map).all()
-        else:
-            assert np.allclose(of_map - true, -np.degrees(np.arctan(np.tan(np.radians(lon - 9)) * np.sin(np.radians(lat)))), atol=2e-3)
-    for wrong, words in ((["--at", "1,2", "--places", "p.csv"], "do not go together"), (["--at", "1,2", "--svf"], "go with none of --svf")):
-        assert words in tool("horizon", maps["utm"], *wrong, fails=True)
+        words = "horizon", path, "--directions", "5", "--start", "7"
+        at = [w for place in given for w in ("--at", place)]
+        table.write_text("\n".join(["x,y,height", *given, ""]))
+        assert program(*words, "--places", table, "-o", tmp_path / "out.csv").stdout == ""
+        text = (tmp_path / "out.csv").read_text()
+        assert text == tool(*words, *at) and text.startswith("place,azimuth,true_azimuth,angle,distance,x,y\n")
+        rows = np.array([line.split(",") for line in text.splitlines()[1:]], float).reshape(3, 5, 7)
+        assert (rows[:, :, 0].T == [1, 2, 3]).all()
+        lon, lat = map(np.radians, degrees_of(crs, x, y))
+        apart = 0 if name == "degrees" else -np.degrees(np.arctan(np.tan(lon - np.radians(9)) * np.sin(lat)))
+        assert np.allclose(rows[:, 0, 1] - rows[:, 0, 2], apart, atol=2e-3)
 
 
 # ---- distances ---------------------------------------------------------------------------------------------------------------
@@ -436,9 +353,7 @@ def test_the_nearest_of_equal_rises(tool, tmp_path):
     for slopes, azimuth in (((3, 2), 200), ((3, 2), 17), ((1, -4), 100.5), ((0, 0), 310)):
         path = write(tmp_path / "ramp.tif", (1000 + slopes[0] * i + slopes[1] * j).astype("float32"), MAPS["utm"], Affine(*METRES))
         tool("horizon", path, "--directions", "1", "--start", azimuth, "--distance", "-o", tmp_path / "d.tif")
-        with rasterio.open(tmp_path / "d.tif") as file:
-            metres = file.read(1)
-        inner = metres[2:-2, 2:-2]
+        inner = raster(tmp_path / "d.tif")[2:-2, 2:-2]
         assert np.isfinite(inner).all() and np.ptp(inner) < 1e-3 and inner.max() < 42.5
 
 
@@ -450,8 +365,7 @@ def test_angle_and_distance_are_of_one_ground(tool, tmp_path):
     found = []
     for more in ([], ["--distance"]):
         tool(*words, *more, "-o", tmp_path / "o.tif")
-        with rasterio.open(tmp_path / "o.tif") as file:
-            found.append(file.read(1))
+        found.append(raster(tmp_path / "o.tif"))
     field, (angle, metres) = cw.open(path), found
     scale = np.linalg.norm(np.diff(to_space(*(np.array(v) for v in degrees_of(MAPS["utm"], [6e5 + 1200, 6e5 + 1230], [5.2e6 - 1200] * 2))), axis=1)) / 30
     for row, column in np.random.default_rng(7).integers(5, 60, (200, 2)):
@@ -463,100 +377,3 @@ def test_angle_and_distance_are_of_one_ground(tool, tmp_path):
             continue  # on the border but for rounding
         # Places are known to a part in 10⁷, floats of 500 m to 3e-5 m.
         assert abs(rise - np.tan(np.radians(angle[row, column]))) < 1e-4 / d + 2e-7, (row, column, d)
-
-
-# ---- what is said --------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("words, said", [
-    (["shadow", "--sun", "30,225", "-o", "o.tif"], "--sun 30,225: the second number is the altitude, and 225 degrees is none; the azimuth is first"),
-    (["render", "--sun", "30,225", "-o", "o.png"], "--sun 30,225: the second number is the altitude"),
-    (["viewshed", "--from", "600500,5205000", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
-    (["horizon", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
-    (["visibility", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
-    (["viewshed", "--from", "600500,5205000", "--every", "0", "-o", "o.tif"], "--every takes metres above 0, not 0"),
-    (["los", "600500,5205000", "600500,5205000", "--frequency", "0"], "--frequency takes megahertz from 0.1 to 1000000, not 0"),
-    (["viewshed", "--from", "10.3,47", "-o", "o.tif"], "10.3,47: lies outside and looks like longitude and latitude"),
-    (["los", "10.3,47", "10.4,47"], "looks like longitude and latitude"),
-    (["viewshed", "--from", "600500,5205000", "--height", "3", "-o", "o.tif"],
-     "unknown option --height; the height of a place is its third number: X,Y,H"),
-    (["shadow", "--sun", "225,30", "--memory", "0.15M", "--window", "0,0,1e7,1e7", "-o", "o.tif"], "there is 0.15M"),
-    (["trace", "rays.npy", "--any", "-o", "o.npy"], "unknown option --any"),
-])
-def test_messages(tool, maps, tmp_path, words, said):
-    words = [tmp_path / word if word.startswith("o.") else word for word in words]
-    assert said in tool(words[0], maps["utm"], *words[1:], fails=True)
-
-
-@pytest.mark.parametrize("shape", [(1, 9), (9, 1)])
-def test_one_row_is_no_terrain(tool, tmp_path, shape):
-    path = write(tmp_path / "line.tif", np.zeros(shape, "float32"), MAPS["utm"], Affine(*METRES))
-    for words in (["shadow", path, "--sun", "9,9", "-o", tmp_path / "o.tif"], ["los", path, "600015,5199985", "600015,5199985"]):
-        assert f"{shape[1]} x {shape[0]} samples; a terrain has at least 2 x 2" in tool(*words, fails=True)
-
-
-def test_profiles_have_no_minus_zero(tool, tmp_path):
-    z = np.full((9, 9), -1e-4, "float32")
-    path = write(tmp_path / "flat.tif", z, MAPS["utm"], Affine(*METRES))
-    tool("los", path, "600030,5199970,1", "600200,5199830,1", "--curvature", "0", "--profile", tmp_path / "p.csv")
-    assert "-0.000" not in (tmp_path / "p.csv").read_text() and ",0.000," in (tmp_path / "p.csv").read_text()
-    (tmp_path / "pairs.csv").write_text("x1,y1,height1,x2,y2,height2\n600030,5199970,0,600200,5199830,0\n")
-    for words in (["600030,5199970,0", "600200,5199830,0"], ["--pairs", tmp_path / "pairs.csv"]):
-        out = tool("los", path, *words, "--curvature", "0")
-        assert "-0.000" not in out and "0.000" in out
-
-
-# ---- observers of files --------------------------------------------------------------------------------------------------------
-
-
-def points(*rows):
-    return json.dumps({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}},
-                       "features": [{"type": "Feature", "properties": properties, "geometry": {"type": "Point", "coordinates": place}}
-                                    for place, properties in rows]})
-
-
-KML = ('<kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark><name>Mast</name><ExtendedData><Data name="height"><value>30</value>'
-       '</Data></ExtendedData><Point><coordinates>10.32,47.0</coordinates></Point></Placemark></Document></kml>')
-HERE = [600000.1, 5206000.3]
-
-
-@pytest.mark.parametrize("name, text, height, warned", [
-    ("a.geojson", points((HERE, {"OFFSETA": 30.0, "name": "Mast"})), 30, None),
-    ("a.geojson", points((HERE, {"height": 30.0, "OFFSETA": 1.0, "AZIMUTH1": 20, "RADIUS2": None})), 30, "'OFFSETA', 'AZIMUTH1'; attributes"),
-    ("a.geojson", points((HERE + [1500.0], {"height": 30.0, "RADIUS2": 90})), 30, "'RADIUS2', z of places; attributes"),
-    ("a.geojson", points((HERE + [0.0], {})), 2, None),
-    ("a.kml", KML, 30, None),
-])
-def test_attributes_of_observers(program, maps, tmp_path, name, text, height, warned):
-    """What is known counts; what is passed over is said."""
-    (tmp_path / name).write_text(text)
-    made = program("viewshed", maps["utm"], "--observers", tmp_path / name, "-o", tmp_path / "o.tif")
-    assert made.returncode == 0 and ((warned or "passed over") in made.stderr) == (warned is not None), made.stderr
-    with rasterio.open(tmp_path / "o.tif") as file:
-        assert file.tags()["OBSERVER_1"].endswith(f",{height}")
-        seen = file.read(1)
-        x, y, _ = map(float, file.tags()["OBSERVER_1"].split(","))
-    assert (seen == cw.open(maps["utm"]).viewshed(x, y, height)).all()
-
-
-def test_names_of_observers(program, maps, tmp_path):
-    table = tmp_path / "towers.csv"
-    table.write_text("name,x,y\nHigh Mast,601000.639,5206000.639\n,600000,5205000\n\"a\nb\",600500,5204000\n" + "ä" * 40 + ",600500,5205500\n")
-    assert "warning" not in program("viewshed", maps["utm"], "--observers", table, "--bands", "-o", tmp_path / "o.tif").stderr
-    with rasterio.open(tmp_path / "o.tif") as file:
-        assert file.descriptions[:3] == ("observer 1 (High Mast) at 601000.639,5206000.639", "observer 2 at 600000,5205000",
-                                         "observer 3 (a b) at 600500,5204000")
-        tags = file.tags()
-        assert tags["OBSERVER_1"] == "601000.639,5206000.639,2" and tags["OBSERVER_1_NAME"] == "High Mast"
-        assert "OBSERVER_2_NAME" not in tags and set(tags["OBSERVER_4_NAME"]) == {"ä"}
-    table.write_text("name,x,y\nHigh Mast,601000.639,5206000.639\n,600000,5205000\n\"a, \"\"b\"\"\",600500,5204000\n")
-    names = ["High Mast", "", 'a, "b"']
-    program("viewshed", maps["utm"], "--observers", table, "--table", tmp_path / "t.csv", "-o", tmp_path / "o.tif")
-    assert [row["name"] for row in csv.DictReader((tmp_path / "t.csv").read_text().splitlines())] == names
-    said = program("horizon", maps["utm"], "--places", table, "--directions", 1).stdout
-    assert [row["name"] for row in csv.DictReader(said.splitlines())] == names
-    table.write_text("x1,y1,x2,y2,name\n600000,5205000,600100,5205000,\"a, \"\"b\"\"\"\n")
-    done = program("los", maps["utm"], "--pairs", table, "--frequency", 900)
-    assert [row["name"] for row in csv.DictReader(done.stdout.splitlines())] == ['a, "b"'] and "warning" not in done.stderr
-    table.write_text("name,x,y\nFar Mast,1,1\n")
-    assert "towers.csv:2 (Far Mast)" in program("viewshed", maps["utm"], "--observers", table, "-o", tmp_path / "p.tif").stderr

@@ -18,9 +18,10 @@ import dask.array as da  # noqa: E402
 
 import cellwalk as cw  # noqa: E402
 import cellwalk.dask as cwd  # noqa: E402
-from conftest import UTM, rough, same  # noqa: E402
+from conftest import geotiff, raster as content, rough, same  # noqa: E402
 
 ROWS, COLUMNS = 300, 270
+HILLS = rough(ROWS, COLUMNS, holes=False)
 
 
 @pytest.fixture(autouse=True)
@@ -38,43 +39,13 @@ def result(z, chunks=256):
     return da.from_array(z, chunks=chunks)
 
 
-def content(name):
-    with rasterio.open(os.fspath(name)) as file:
-        return file.read(1)
-
-
-def dem(name="dem.tif"):
-    with rasterio.open(name, "w", driver="GTiff", width=COLUMNS, height=ROWS, count=1, dtype="float32", crs=UTM,
-                       transform=rasterio.Affine(30, 0, 600000, 0, -30, 5200000)) as file:
-        file.write(rough(ROWS, COLUMNS, holes=False), 1)
-    return name
-
-
 def bytes_of_all():
     """Each entry of the folder: what a link says, what a file holds."""
     return {p.name: os.readlink(p) if p.is_symlink() else p.read_bytes() if p.is_file() else None for p in pathlib.Path(".").iterdir()}
 
 
-def test_names_of_unfinished_files_are_left_alone():
-    """Names that an unfinished file might have: a link of somebody's, a file of one's own, an input."""
-    pathlib.Path("private").write_text("private")
-    for name in ("a.tif.part", "a.tif.tmp", ".a.tif.tmp", "a.part"):
-        os.symlink("private", name)
-    for name in ("b.tif.part", "b.tif.tmp", ".b.tif.tmp"):
-        pathlib.Path(name).write_text("mine")
-    dem("c.tif.part")
-    before = bytes_of_all()
-    cwd.to_geotiff(result(values()), "a.tif")
-    cwd.to_geotiff(result(values()), "b.tif")
-    cwd.to_geotiff(cwd.shadow("c.tif.part", chunks=256), "c.tif")
-    after = bytes_of_all()
-    assert {name: after.pop(name) for name in before} == before
-    assert sorted(after) == ["a.tif", "b.tif", "c.tif"]
-    same(content("c.tif"), cw.open("c.tif.part").shadow())
-
-
 def test_an_input_is_not_replaced():
-    dem()
+    geotiff("dem.tif", HILLS)
     os.symlink("dem.tif", "soft.tif")
     os.link("dem.tif", "hard.tif")
     before = bytes_of_all()
@@ -95,33 +66,12 @@ def test_an_input_is_not_replaced():
         cwd.to_geotiff(cwd.sky_view("lit.tif", 4, 300, chunks=128), "other.tif")
 
 
-@pytest.mark.parametrize("exists", [False, True])
-def test_two_writers_of_one_path(exists):
-    """The second begins and ends while the first is half written: the file is whole after each, and the last one stays."""
-    if exists:
-        cwd.to_geotiff(result(values(0)), "a.tif")
-    seen = []
-
-    def slowly(block, block_info=None):
-        if block_info[0]["chunk-location"] == (1, 0):
-            cwd.to_geotiff(result(values(2)), "a.tif")
-            seen.append(content("a.tif"))
-        return block
-    cwd.to_geotiff(result(values(1)).map_blocks(slowly, dtype=np.float32), "a.tif")
-    assert len(seen) == 1
-    same(seen[0], values(2))
-    same(content("a.tif"), values(1))
-    assert os.listdir(".") == ["a.tif"]
-
-
 @pytest.mark.parametrize("chunks", [256, 100], ids=["compressed", "uncompressed"])
 def test_a_full_disk_is_an_error(chunks):
     """A limit on the size of files stands for it. Nothing else changes, however late it is found out."""
-    cwd.to_geotiff(result(values(), chunks), "whole.tif")
-    size = os.path.getsize("whole.tif")
-    os.unlink("whole.tif")
-    pathlib.Path("old.tif").write_text("old")
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    cwd.to_geotiff(result(values(), chunks), "old.tif")
+    size, limits = os.path.getsize("old.tif"), resource.getrlimit(resource.RLIMIT_FSIZE)
+    before = bytes_of_all()
     for room in [0, 1, 8, 500, *(size * k // 8 for k in range(1, 8)), size - 1]:
         for name in ("old.tif", "new.tif"):
             resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
@@ -130,7 +80,7 @@ def test_a_full_disk_is_an_error(chunks):
                     cwd.to_geotiff(result(values(), chunks), name)
             finally:
                 resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-            assert os.listdir(".") == ["old.tif"] and pathlib.Path("old.tif").read_text() == "old"
+            assert bytes_of_all() == before
 
 
 THREADS = """
@@ -187,7 +137,7 @@ def test_names_are_only_names():
 
 
 def test_like_has_the_same_size():
-    dem()
+    geotiff("dem.tif", HILLS)
     with pytest.raises(ValueError, match="like: 'dem.tif' has 300 x 270 samples, the result 10 x 20"):
         cwd.to_geotiff(da.zeros((10, 20), dtype="uint8"), "a.tif", like="dem.tif")
     with pytest.raises(TypeError, match="result: dtype float64, expected uint8"):

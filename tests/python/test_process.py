@@ -18,105 +18,75 @@ from conftest import random_rays, rough, same, same_hits
 Z = rough(257, 257)
 
 
-def test_two_threads_on_one_field():
-    field = cw.Field(Z, threads=2)
-    rays = [random_rays(field, 60000, seed) for seed in range(4)]
-    wanted = [field.closest(r) for r in rays]
-    shadow = field.shadow()
-    wrong = []
+class Asking:
+    """Threads that repeat a work until the block ends."""
 
-    def work(k):
+    def __init__(self, works):
+        self.stop = threading.Event()
+        self.threads = [threading.Thread(target=self.repeat, args=(work,)) for work in works]
+
+    def repeat(self, work):
+        while not self.stop.is_set():
+            work()
+
+    def __enter__(self):
+        for t in self.threads:
+            t.start()
+
+    def __exit__(self, *_):
+        self.stop.set()
+        for t in self.threads:
+            t.join()
+
+
+def test_two_threads_on_one_field():
+    field, wrong = cw.Field(Z, threads=2), []
+    rays = [random_rays(field, 60000, seed) for seed in range(4)]
+    wanted, shadow = [field.closest(r).records.tobytes() for r in rays], field.shadow().tobytes()
+
+    def ask(k):
+        if field.closest(rays[k]).records.tobytes() != wanted[k] or field.shadow().tobytes() != shadow:
+            wrong.append(k)
+    with Asking([lambda k=k: ask(k) for k in range(4)]):
         for _ in range(5):
-            h = field.closest(rays[k])
-            if h.records.tobytes() != wanted[k].records.tobytes() or field.shadow().tobytes() != shadow.tobytes():
-                wrong.append(k)
-    threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
-    for t in threads:
-        t.start()
-    for t in threads:
-        t.join()
+            ask(0)
     assert not wrong
 
 
 def test_update_and_queries_keep_apart():
     """Each query sees the samples of before or after an update, and who comes second is refused."""
     field = cw.Field(np.zeros((129, 129), np.float32), copy=True, threads=1)
-    n = 2000
+    n, seen, refused = 2000, set(), set()
     origins = np.column_stack([np.linspace(1, 127, n), np.linspace(1, 127, n), np.full(n, 9.0)])
-    seen, refused, stop = set(), [], threading.Event()
 
-    def ask():
-        while not stop.is_set():
-            try:
-                t = np.unique(field.closest(origins, [0, 0, -1]).t)
-                assert len(t) == 1
-                seen.add(float(t[0]))
-            except RuntimeError as error:
-                refused.append(str(error))
-            except AssertionError:
-                seen.add("torn")
-    threads = [threading.Thread(target=ask) for _ in range(2)]
-    for t in threads:
-        t.start()
-    for k in range(200):
+    def attempt(work):
         try:
-            field.update(0, 0, np.full((129, 129), k % 2, np.float32))
+            seen.add(tuple(work()))
         except RuntimeError as error:
-            refused.append(str(error))
-    stop.set()
-    for t in threads:
-        t.join()
-    assert seen <= {9.0, 8.0} and seen
+            refused.add(str(error))
+    with Asking([lambda: attempt(lambda: np.unique(field.closest(origins, [0, 0, -1]).t).tolist())] * 2):
+        for k in range(200):
+            attempt(lambda: field.update(0, 0, np.full((129, 129), k % 2, np.float32)) or [])
+    assert seen - {()} and seen <= {(), (9.0,), (8.0,)}
     assert all("running" in r or "changed" in r for r in refused)
-
-
-def _ask(path_or_field):
-    field = path_or_field if isinstance(path_or_field, cw.Field) else cw.open(path_or_field)
-    return field.closest(random_rays(field, 3000)).records.tobytes(), field.sky_view(4).tobytes()
 
 
 INHERITED = cw.Field(Z, threads=2)
 
 
-def _ask_inherited(_):
-    return _ask(INHERITED)
+def _ask(field):
+    field = INHERITED if field is None else field if isinstance(field, cw.Field) else cw.open(field)
+    return field.closest(random_rays(field, 3000)).records.tobytes(), field.sky_view(4).tobytes()
 
 
-def test_fork():
-    wanted = _ask(INHERITED)  # the pool has threads now, which a child lacks
-    with multiprocessing.get_context("fork").Pool(2) as pool:
-        assert pool.map_async(_ask_inherited, range(4)).get(300) == [wanted] * 4
-
-
-def test_update_in_a_child_of_a_busy_parent():
-    """Other threads of the parent query the field all the time; the child has none of them."""
-    field = cw.Field(np.zeros((257, 257), np.float32), copy=True, threads=1)
-    origins = np.column_stack([np.linspace(1, 255, 20000), np.linspace(1, 255, 20000), np.full(20000, 9.0)])
-    started, stop = threading.Barrier(3), threading.Event()
-
-    def ask():
-        started.wait()
-        while not stop.is_set():
-            field.occluded(origins, [0, 0, -1])
-    threads = [threading.Thread(target=ask) for _ in range(2)]
-    for t in threads:
-        t.start()
-    started.wait()
-    try:
-        for _ in range(10):
-            child = os.fork()
-            if child == 0:
-                status = 1
-                try:
-                    field.update(0, 0, np.ones((257, 257), np.float32))
-                    status = 0 if (field.closest(origins[:10], [0, 0, -1]).t == 8).all() else 2
-                finally:
-                    os._exit(status)
-            assert os.waitpid(child, 0)[1] == 0
-    finally:
-        stop.set()
-        for t in threads:
-            t.join()
+@pytest.mark.parametrize("start, processes", [("fork", 2), ("spawn", 1)])
+def test_other_processes(tmp_path, start, processes):
+    """Pools have threads in this one, which a child lacks."""
+    np.save(tmp_path / "z.npy", Z)
+    field = cw.open(tmp_path / "z.npy")
+    wanted = _ask(None)
+    with multiprocessing.get_context(start).Pool(processes) as pool:
+        assert pool.map_async(_ask, [None, field, str(tmp_path / "z.npy"), None]).get(300) == [wanted] * 4
 
 
 THREADS = """
@@ -181,31 +151,33 @@ def test_pickles_are_of_the_same_field(tmp_path):
         pickle.dumps(part)
 
 
-def test_spawn(tmp_path):
-    np.save(tmp_path / "z.npy", Z)
-    field = cw.open(tmp_path / "z.npy")
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
-        assert pool.map_async(_ask, [field, str(tmp_path / "z.npy")]).get(300) == [_ask(field)] * 2
-
-
 def test_progress():
-    field = cw.Field(Z)
-    told = []
-    assert field.closest(random_rays(field, 1000), progress=told.append).hit.any()
-    assert told == sorted(told) and told[-1] == 1 and all(0 <= share <= 1 for share in told)
-    told.clear()
-    field.sky_view(64, progress=told.append)
-    assert told == sorted(told) and told[-1] == 1
+    """A callable gets growing shares up to 1, and ends the query by an exception; what has update() gets its total."""
+    field, told = cw.Field(Z), []
+    rays = random_rays(field, 1000)
+
+    class Enough(Exception):
+        pass
+
+    def stop(share):
+        raise Enough
 
     class Bar:  # like tqdm's
         total, n = 50, 0
 
         def update(self, more):
             self.n += more
+    for ask in (lambda progress: field.closest(rays, progress=progress), lambda progress: field.sky_view(64, progress=progress),
+                lambda progress: cw.Field(Z, progress=progress)):
+        ask(told.append)
+        assert told == sorted(told) and told[-1] == 1 and all(0 <= share <= 1 for share in told)
+        told.clear()
+        with pytest.raises(Enough):
+            ask(stop)
     bar = Bar()
     cw.Field(Z, progress=bar)
     field.viewshed(128, 128, progress=bar)
-    assert bar.n == 50
+    assert bar.n == 50 and field.closest(rays).hit.any()
 
 
 # Ctrl-C is sent after 0.2 s of the process's CPU time, which only the call uses.
@@ -236,24 +208,6 @@ HILLS = "np.add.outer(60 * np.sin(np.arange(2049) / 90), 50 * np.cos(np.arange(2
 def test_interrupt(field, call, threads):
     program = SLOW.format(field=field, call=call, threads=threads)
     assert subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, check=True).stdout == "interrupted\n"
-
-
-def test_an_exception_in_progress_ends_the_query():
-    field = cw.Field(Z)
-
-    class Enough(Exception):
-        pass
-
-    def tell(share):
-        raise Enough
-
-    with pytest.raises(Enough):
-        field.closest(random_rays(field, 100), progress=tell)
-    with pytest.raises(Enough):
-        field.sky_view(900, progress=tell)
-    with pytest.raises(Enough):
-        cw.Field(Z, progress=tell)
-    assert field.closest(random_rays(field, 100)).hit.any()
 
 
 def _resident():

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rays, coarser fields and what the program prints and draws against Python; test_products.py has the products."""
+import csv
 import json
 import re
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 import cellwalk as cw
-from conftest import random_rays, raster, real_dem, same
+from conftest import geotiff, random_rays, raster, rough, same
 
 
 def product(tool, ground, tmp_path, *words):
@@ -24,6 +25,12 @@ def north(ground, y):
 def place(field, across=0.37, down=0.61):
     x0, y0, x1, y1 = field.bounds
     return x0 + across * (x1 - x0), y0 + down * (y1 - y0)
+
+
+def test_kernels(tool):
+    """The program has some more, to compare with."""
+    said = {tuple(k[name] for name in ("name", "width", "isa", "available")) for k in json.loads(tool("info", "--json"))["kernels"]}
+    assert {(k.name, k.width, k.isa, k.available) for k in cw.kernels()} < said
 
 
 def same_as_traced(h, wanted):
@@ -47,12 +54,13 @@ def test_closest_user(tool, ground, tmp_path):
 
 
 def test_closest_floats(tool, tmp_path):
-    z = real_dem()["elevation"].astype(np.float32)
-    rays = random_rays(cw.Field(z), 20000, dtype=np.float32)
+    z = rough(holes=False)
+    rays = random_rays(cw.Field(z), 2000, dtype=np.float32)
     np.save(tmp_path / "z.npy", z)
     np.save(tmp_path / "rays.npy", rays)
-    tool("trace", tmp_path / "z.npy", tmp_path / "rays.npy", "-o", tmp_path / "hits.npy")
-    same_as_traced(cw.Field(z).closest(rays), np.load(tmp_path / "hits.npy"))
+    for kernel in [k for k in cw.kernels() if k.available]:
+        tool("trace", tmp_path / "z.npy", tmp_path / "rays.npy", "--kernel", kernel.name, "-o", tmp_path / "hits.npy")
+        same_as_traced(cw.Field(z).closest(rays, kernel=kernel.name), np.load(tmp_path / "hits.npy"))
 
 
 @pytest.mark.parametrize("name", ["mean", "highest", "lowest"])
@@ -148,71 +156,137 @@ def test_pictures_show_relief_values_and_observers(program, tool, ground, tmp_pa
     assert yellow[clear & (seen == 1)].min() > yellow[clear & (seen == 0)].max()
     blue = picture[clear & (seen == 0)].sum(-1)
     assert blue.std() > 10  # the relief shows
+    third, *_ = tmp_path / "third.png", tool("visibility", ground.path, "--directions", "1", "--every", "3", "-o", tmp_path / "third.png")
+    assert image.imread(third).shape[:2] == seen[::3, ::3].shape
 
 
-def test_pictures_of_windows_and_every_other_sample(tool, ground, tmp_path):
-    """The relief is that of the samples that the pixels stand for."""
-    image = pytest.importorskip("matplotlib.image")
-    tool("visibility", ground.path, "--directions", "8", "-o", tmp_path / "all.npy")
-    tool("visibility", ground.path, "--directions", "8", "--every", "3", "-o", tmp_path / "third.npy")
-    tool("visibility", ground.path, "--directions", "8", "--every", "3", "-o", tmp_path / "third.png")
-    third = np.load(tmp_path / "third.npy")
-    picture = image.imread(tmp_path / "third.png")
-    same(third, np.load(tmp_path / "all.npy")[::3, ::3])
-    assert picture.shape[:2] == third.shape
-    holes = (np.abs(picture[..., :3] * 255 - 240) < 0.5).all(-1)
-    wanted = np.isnan(third)
-    assert (holes <= wanted).all()
+@pytest.fixture(scope="module")
+def hills(tmp_path_factory):
+    return geotiff(tmp_path_factory.mktemp("hills") / "dem.tif", 10 * rough(333, 333, holes=False), transform=(30, 0, 595000, 0, -30, 5211000))
+
+
+@pytest.mark.parametrize("words, said", [
+    (["shadow", "--sun", "30,225", "-o", "o.tif"], "--sun 30,225: the second number is the altitude, and 225 degrees is none; the azimuth is first"),
+    (["render", "--sun", "30,225", "-o", "o.png"], "--sun 30,225: the second number is the altitude"),
+    (["viewshed", "--from", "600500,5205000", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
+    (["horizon", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
+    (["visibility", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
+    (["viewshed", "--from", "600500,5205000", "--every", "0", "-o", "o.tif"], "--every takes metres above 0, not 0"),
+    (["los", "600500,5205000", "600500,5205000", "--frequency", "0"], "--frequency takes megahertz from 0.1 to 1000000, not 0"),
+    (["viewshed", "--from", "10.3,47", "-o", "o.tif"], "10.3,47: lies outside and looks like longitude and latitude"),
+    (["los", "10.3,47", "10.4,47"], "looks like longitude and latitude"),
+    (["viewshed", "--from", "600500,5205000", "--height", "3", "-o", "o.tif"],
+     "unknown option --height; the height of a place is its third number: X,Y,H"),
+    (["shadow", "--sun", "225,30", "--memory", "0.15M", "--window", "0,0,1e7,1e7", "-o", "o.tif"], "there is 0.15M"),
+    (["trace", "rays.npy", "--any", "-o", "o.npy"], "unknown option --any"),
+    (["horizon", "--at", "1,2", "--places", "p.csv"], "do not go together"),
+    (["horizon", "--at", "1,2", "--svf"], "go with none of --svf"),
+])
+def test_messages(tool, hills, tmp_path, words, said):
+    words = [tmp_path / word if word.startswith("o.") else word for word in words]
+    assert said in tool(words[0], hills, *words[1:], fails=True)
+
+
+@pytest.mark.parametrize("shape", [(1, 9), (9, 1), (9, 9)])
+def test_least_terrain(tool, tmp_path, shape):
+    """One row is none. Level land a hair below 0 is not at minus zero."""
+    path, at = geotiff(tmp_path / "line.tif", np.full(shape, -1e-4, "float32")), ("600015,5199985,0", "600200,5199830,0")
+    (tmp_path / "pairs.csv").write_text("x1,y1,height1,x2,y2,height2\n" + ",".join(at) + "\n")
+    for words in (["shadow", path, "--sun", "9,9", "-o", tmp_path / "o.tif"], ["los", path, *at, "--profile", tmp_path / "p.csv"],
+                  ["los", path, "--pairs", tmp_path / "pairs.csv"]):
+        said = tool(*words, *(["--curvature", "0"] if words[0] == "los" else []), fails=shape != (9, 9))
+        assert f"{shape[1]} x {shape[0]} samples; a terrain has at least 2 x 2" in said if shape != (9, 9) else "-0.000" not in said
+        assert words[0] == "shadow" or shape != (9, 9) or "0.000" in said
+    assert shape != (9, 9) or ("-0.000" not in (tmp_path / "p.csv").read_text() and ",0.000," in (tmp_path / "p.csv").read_text())
+
+
+# ---- observers of files --------------------------------------------------------------------------------------------------------
+
+
+def points(*rows):
+    return json.dumps({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}},
+                       "features": [{"type": "Feature", "properties": properties, "geometry": {"type": "Point", "coordinates": place}}
+                                    for place, properties in rows]})
+
+
+KML = ('<kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark><name>Mast</name><ExtendedData><Data name="height"><value>30</value>'
+       '</Data></ExtendedData><Point><coordinates>10.32,47.0</coordinates></Point></Placemark></Document></kml>')
+HERE = [600000.1, 5206000.3]
+
+
+@pytest.mark.parametrize("name, text, height, warned", [
+    ("a.geojson", points((HERE, {"OFFSETA": 30.0, "name": "Mast"})), 30, None),
+    ("a.geojson", points((HERE, {"height": 30.0, "OFFSETA": 1.0, "AZIMUTH1": 20, "RADIUS2": None})), 30, "'OFFSETA', 'AZIMUTH1'; attributes"),
+    ("a.geojson", points((HERE + [1500.0], {"height": 30.0, "RADIUS2": 90})), 30, "'RADIUS2', z of places; attributes"),
+    ("a.geojson", points((HERE + [0.0], {})), 2, None),
+    ("a.kml", KML, 30, None),
+])
+def test_attributes_of_observers(program, hills, tmp_path, name, text, height, warned):
+    """What is known counts; what is passed over is said."""
+    (tmp_path / name).write_text(text)
+    made = program("viewshed", hills, "--observers", tmp_path / name, "-o", tmp_path / "o.tif")
+    assert made.returncode == 0 and ((warned or "passed over") in made.stderr) == (warned is not None), made.stderr
+    with pytest.importorskip("rasterio").open(tmp_path / "o.tif") as file:
+        assert file.tags()["OBSERVER_1"].endswith(f",{height}")
+        seen = file.read(1)
+        x, y, _ = map(float, file.tags()["OBSERVER_1"].split(","))
+    assert (seen == cw.open(hills).viewshed(x, y, height)).all()
+
+
+def test_names_of_observers(program, hills, tmp_path):
+    table = tmp_path / "towers.csv"
+    table.write_text("name,x,y\nHigh Mast,601000.639,5206000.639\n,600000,5205000\n\"a\nb\",600500,5204000\n" + "ä" * 40 + ",600500,5205500\n")
+    assert "warning" not in program("viewshed", hills, "--observers", table, "--bands", "-o", tmp_path / "o.tif").stderr
+    with pytest.importorskip("rasterio").open(tmp_path / "o.tif") as file:
+        assert file.descriptions[:3] == ("observer 1 (High Mast) at 601000.639,5206000.639", "observer 2 at 600000,5205000",
+                                         "observer 3 (a b) at 600500,5204000")
+        tags = file.tags()
+        assert tags["OBSERVER_1"] == "601000.639,5206000.639,2" and tags["OBSERVER_1_NAME"] == "High Mast"
+        assert "OBSERVER_2_NAME" not in tags and set(tags["OBSERVER_4_NAME"]) == {"ä"}
+    table.write_text("name,x,y\nHigh Mast,601000.639,5206000.639\n,600000,5205000\n\"a, \"\"b\"\"\",600500,5204000\n")
+    names = ["High Mast", "", 'a, "b"']
+    program("viewshed", hills, "--observers", table, "--table", tmp_path / "t.csv", "-o", tmp_path / "o.tif")
+    assert [row["name"] for row in csv.DictReader((tmp_path / "t.csv").read_text().splitlines())] == names
+    said = program("horizon", hills, "--places", table, "--directions", 1).stdout
+    assert [row["name"] for row in csv.DictReader(said.splitlines())] == names
+    table.write_text("x1,y1,x2,y2,name\n600000,5205000,600100,5205000,\"a, \"\"b\"\"\"\n")
+    done = program("los", hills, "--pairs", table, "--frequency", 900)
+    assert [row["name"] for row in csv.DictReader(done.stdout.splitlines())] == ['a, "b"'] and "warning" not in done.stderr
+    table.write_text("name,x,y\nFar Mast,1,1\n")
+    assert "towers.csv:2 (Far Mast)" in program("viewshed", hills, "--observers", table, "-o", tmp_path / "p.tif").stderr
 
 
 # ---- radio links --------------------------------------------------------------------------------------------------------
 
 
-def test_clearance_over_a_plain_is_least_in_the_middle(tool, tmp_path):
-    np.save(tmp_path / "plain.npy", np.zeros((3, 401), np.float32))
-    answer = json.loads(tool("los", tmp_path / "plain.npy", "--cellsize", "10", "0,10,12", "4000,10,12", "--frequency", "2400", "--curvature", "0", "--json"))
-    radius = np.sqrt(0.299792458 / 2.4 * 4000 / 4)
-    assert answer["fresnel_radius"] == pytest.approx(radius, rel=1e-8)  # nine digits are printed
-    assert answer["clearance"] == pytest.approx(12 / radius, rel=1e-8) and answer["clearance_distance"] == pytest.approx(2000)
-    # From 0.5 to 12 m: between two crossings, where the heights are as the distances to the ends.
-    answer = json.loads(tool("los", tmp_path / "plain.npy", "--cellsize", "10", "0,10,0.5", "4000,10,12", "--frequency", "2400", "--curvature", "0", "--json"))
-    share = 0.5 / 12.5
-    radius = np.sqrt(0.299792458 / 2.4 * np.hypot(4000, 11.5) * share * (1 - share))
-    assert answer["clearance_distance"] == pytest.approx(4000 * share, rel=1e-6)
-    assert answer["clearance"] == pytest.approx((0.5 + 11.5 * share) / radius, rel=1e-6)
+def test_clearance_over_a_plain():
+    """Is least in the middle; from 0.5 to 12 m it is least where the heights are as the distances to the ends, between two crossings."""
+    f = cw.Field(np.zeros((3, 401), np.float32), transform=np.diag([10, 10, 1, 0])[:3])
+    for height, share in ((12, 0.5), (0.5, 0.04)):
+        s = f.line_of_sight((0, 10, height), (4000, 10, 12), frequency=2400, curvature=0)
+        radius = np.sqrt(0.299792458 / 2.4 * np.hypot(4000, 12 - height) * share * (1 - share))
+        assert s.clearance_distance == pytest.approx(4000 * share, rel=1e-6) and s.fresnel_radius == pytest.approx(radius, rel=1e-6)
+        assert s.clearance == pytest.approx((height + (12 - height) * share) / radius, rel=1e-6)
 
 
-def test_clearance_is_the_least_along_the_profile(tool, ground, tmp_path):
-    field, random = ground.field, np.random.default_rng(5)
-    solid = np.isfinite(field.z)
-    for shift in ((0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (-1, -1)):  # places round a bit
-        solid &= np.roll(solid, shift, (0, 1))
-    rows, columns = np.nonzero(solid[1:-1, 1:-1])
-    pairs = ["x1,y1,height1,x2,y2,height2"]
-    for _ in range(40):
-        words = []
-        for k in random.integers(len(rows), size=2):
-            x, y = field.map[:2, :3] @ (columns[k] + 1, rows[k] + 1, 0) + field.map[:2, 3]
-            words += [f"{x:.12g}", f"{north(ground, y):.12g}", f"{random.uniform(1, 60):.3f}"]
-        pairs.append(",".join(words))
-    (tmp_path / "pairs.csv").write_text("\n".join(pairs) + "\n")
-    tool("los", ground.path, "--pairs", tmp_path / "pairs.csv", "--frequency", "868", "--curvature", "0.75", "-o", tmp_path / "a.csv",
-         "--profile", tmp_path / "p.csv")
-    answers = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True)
-    profile = np.genfromtxt(tmp_path / "p.csv", delimiter=",", names=True)
-    for answer in answers:
-        rows = profile[(profile["pair"] == answer["pair"])]
-        s = np.unique(np.r_[rows["distance"], np.linspace(0, answer["distance"], 20001)[1:-1]])
-        gap = np.interp(s, rows["distance"], rows["line"] - rows["ground"])
-        rise = rows["line"][-1] - rows["line"][0]
-        radius = np.sqrt(0.299792458 / 0.868 * np.hypot(answer["distance"], rise) * (s / answer["distance"]) * (1 - s / answer["distance"]))
+def test_clearance_is_the_least_along_the_profile(ground):
+    f, random = ground.field, np.random.default_rng(5)
+    solid = np.argwhere(np.lib.stride_tricks.sliding_window_view(np.isfinite(f.z), (3, 3)).all((2, 3))) + 1
+    ends = np.empty((2, 40, 3))
+    for end in ends:
+        j, i = solid[random.integers(len(solid), size=40)].T
+        end[:, :2], end[:, 2] = (f.map[:2, :2] @ (i, j)).T + f.map[:2, 3], random.uniform(1, 60, 40)
+    options = {"frequency": 868, "curvature": 0.75}
+    answers = f.line_of_sight(*ends, **options)
+    for k, (a, b) in enumerate(zip(*ends)):
+        p, length = f.profile(a, b, **options), answers.distance[k]
+        s = np.unique(np.r_[p.distance, np.linspace(0, length, 20001)[1:-1]])
+        gap = np.interp(s, p.distance, p.line - p.ground)
+        radius = np.sqrt(0.299792458 / 0.868 * np.hypot(length, p.line[-1] - p.line[0]) * (s / length) * (1 - s / length))
         inside = (radius > 0.01) & np.isfinite(gap)
-        if not inside.any():
-            continue
-        least = (gap[inside] / radius[inside]).min()
-        # The table has millimetres: of heights, of the gap's place, and of what is left out at the ends.
-        assert answer["clearance"] <= least + 2e-3 / answer["fresnel_radius"] + 1e-4
-        assert answer["clearance"] >= least - 0.02 * abs(least) - 2e-3 / answer["fresnel_radius"] - 1e-4
+        if inside.any():
+            least = (gap[inside] / radius[inside]).min()
+            assert least - 0.02 * abs(least) - 1e-4 <= answers.clearance[k] <= least + 1e-4
 
 
 def test_frequencies_that_are_none(tool, ground):

@@ -182,8 +182,6 @@ endfunction()
 
 # A row for tool/test_NAME.py, which starts the program: the test tool_NAME. KERNELS and the rest as above, but that a twin starts the
 # program with emulated kernels.
-add_executable(cellwalk_test_library ${CMAKE_CURRENT_LIST_DIR}/../tool/library.c)
-target_link_libraries(cellwalk_test_library PRIVATE cellwalk_reference cellwalk_flags m)
 function(cellwalk_tool_test name)
     cmake_parse_arguments(PARSE_ARGV 1 row "" "KERNELS;SECONDS" "NEEDS")
     set(environment CELLWALK_SOURCE=${PROJECT_SOURCE_DIR} CELLWALK_TEST_SLOW=${scale_down})
@@ -206,16 +204,13 @@ function(cellwalk_tool_test name)
             set(test tool_${name}_avx512_emulated)
             set(labels long)
             list(APPEND row_NEEDS emulation)
-            foreach(program IN ITEMS cellwalk_tool cellwalk_test_library)
-                if(NOT lacks_emulation AND NOT lacks_tool)
-                    cellwalk_emulated_twin(${program})
-                    add_dependencies(long ${program}_emulated)
-                endif()
-            endforeach()
+            if(NOT lacks_emulation AND NOT lacks_tool)
+                cellwalk_emulated_twin(cellwalk_tool)
+                add_dependencies(long cellwalk_tool_emulated)
+            endif()
         endif()
         cellwalk_pytest(${test} tool test_${name}.py NEEDS native tool numpy pytest ${row_NEEDS} LABELS ${labels} SECONDS ${row_SECONDS}
-            ENVIRONMENT CELLWALK_PROGRAM=$<TARGET_FILE:cellwalk_tool${twin}>
-                CELLWALK_LIBRARY=$<TARGET_FILE:cellwalk_test_library${twin}> ${environment})
+            ENVIRONMENT CELLWALK_PROGRAM=$<TARGET_FILE:cellwalk_tool${twin}> ${environment})
     endforeach()
 endfunction()
 

@@ -2,6 +2,8 @@
 """The program cellwalk as users run it. Tests work in a folder of their own (conftest.py), where its files are."""
 import ctypes
 import errno
+import functools
+import json
 import os
 import pathlib
 import re
@@ -14,10 +16,20 @@ import zlib
 import numpy as np
 import pytest
 
-PROGRAM, BENCH, LIBRARY, PRELOAD, SOURCE = (os.environ.get(f"CELLWALK_{name}", "") for name in ("PROGRAM", "BENCH", "LIBRARY", "PRELOAD", "SOURCE"))
+PROGRAM, BENCH, PRELOAD, SOURCE = (os.environ.get(f"CELLWALK_{name}", "") for name in ("PROGRAM", "BENCH", "PRELOAD", "SOURCE"))
 DIVISOR, TURN, SLOW = (int(os.environ.get(f"CELLWALK_TEST_{name}", least)) for name, least in (("DIVIDE", 1), ("TURN", 0), ("SLOW", 1)))
 SANITIZER = 99  # the exit status of a program that a sanitizer ends
 SANITIZERS = f"symbolize=0:exitcode={SANITIZER}"
+SCENE = """Film "image" "integer xresolution" 40 "integer yresolution" 30
+LookAt 0 0 0 0 0 1 0 1 0
+Camera "perspective"
+WorldBegin
+LightSource "point" "color I" [9 9 9]
+Translate -1 -1 2
+Scale 2 2 1
+Shape "heightfield" "integer nu" 2 "integer nv" 2 "float Pz" [0 0 .3 0]
+WorldEnd
+"""
 REAL = "/usr/lib/R/site-library/terra/ex/elev.tif"  # Luxembourg in degrees, from SRTM
 
 
@@ -350,30 +362,20 @@ def close(pixels, colour, light=1, share=0):
     assert good.all(), (pixels[~good.all(-1)], np.broadcast_to(wanted, pixels.shape)[~good.all(-1)])
 
 
-# ---- the library, by library.c ----------------------------------------------------------------------------------------------
-
-HIT = np.dtype([("t", "<f4"), ("i", "<i4"), ("j", "<i4"), ("triangle", "<u4"), ("u", "<f4"), ("v", "<f4")])
+# ---- what `cellwalk info` says -------------------------------------------------------------------------------------------------
 
 
-def kernels(isa=None):
-    """Its kernels, as name, width, instruction set, leaf test, available, chosen; and the best instruction set."""
-    environment = {**os.environ, **({"CELLWALK_ISA": isa} if isa else {})}
-    *lines, best = subprocess.run([LIBRARY, "kernels"], env=environment, capture_output=True, text=True, check=True).stdout.splitlines()
-    return [(name, int(width), isa, leaf, available == "1", chosen == "1")
-            for name, width, isa, leaf, available, chosen in map(str.split, lines)], best
+def info(*words, **setting):
+    return json.loads(well("info", *words, "--json", **setting).out)
 
 
+def commands():
+    """Subcommands that --help lists, each of which some tests have to try."""
+    return set(re.findall(r"^  (\S+) ", re.search(r"Commands:\n((?:  .*\n)+)", run("--help").out)[1], re.M))
+
+
+@functools.cache
 def sets():
     """Instruction sets up to the best one of this machine, or of CELLWALK_ISA."""
     every = ["scalar", "sse4.2", "avx2", "avx512"]
-    return every[:every.index(kernels()[1]) + 1]
-
-
-def answers(z, table, kernel="default", map=np.eye(3, 4)):
-    """Its answers to rays in the field's numbers, or those of the map if they are of eight bytes: hits, occluded, points, normals."""
-    given = np.asarray(map, float).tobytes() + np.asarray(z, np.float32).tobytes() + table.tobytes()
-    kind, n = "user" if table.dtype == np.float64 else "field", len(table)
-    out = subprocess.run([LIBRARY, "answers", str(z.shape[1]), str(z.shape[0]), kernel, kind], input=given, capture_output=True, check=True).stdout
-    hits, occluded, points, normals = (out[a * n:b * n] for a, b in ((0, 24), (24, 25), (25, 49), (49, 73)))
-    return (np.frombuffer(hits, HIT), np.frombuffer(occluded, np.uint8), np.frombuffer(points, float).reshape(n, 3),
-            np.frombuffer(normals, float).reshape(n, 3))
+    return every[:every.index(info()["isa"]) + 1]

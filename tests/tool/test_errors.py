@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from program import (PROGRAM, end, entries, interrupted, only_hidden, kernels, needs_room, npy, rays, read, refused, run, shell, start,
+from program import (PROGRAM, commands, end, entries, info, interrupted, only_hidden, needs_room, npy, rays, read, refused, run, shell, start,
                      wait_for_input, wait_for_output, write)
 
 TRACE = "trace", "field.npy", "rays.npy"
@@ -61,6 +61,7 @@ def test_bad_command_lines(part, words):
 
 def test_two_dashes_end_the_options():
     fails(1, "--json: cannot read", "info", "--", "--json")
+    assert commands() == set(LINES)
 
 
 LINES = {"info": (), "trace": ("rays.npy", "-o", "o.npy"), "shadow": ("--sun", "90,10", "-o", "o.npy"), "horizon": ("-o", "o.npy"),
@@ -93,14 +94,9 @@ def test_eyes_far_apart_take_no_more_memory():
     fails(1, "matter at once, which need --memory", *words, "--every", 500, "--memory", "90M")
 
 
-def test_all_commands_are_tried():
-    listed = re.search(r"Commands:\n((?:  .*\n)+)", run("--help").out).group(1)
-    assert {line.split()[0] for line in listed.splitlines()} == set(LINES)
-
-
 def test_kernels_out_of_reach():
     assert run(*TRACE, "-o", "hits.npy", isa="scalar").status == 0
-    if not any(name == "packet4" for name, *_ in kernels()[0]):
+    if not any(kernel["name"] == "packet4" for kernel in info()["kernels"]):
         return  # a build without them
     packet = *TRACE, "--json", "--kernel", "packet4"
     fails(2, "--kernel packet4 needs sse4.2; this machine, or the limit set by --isa or CELLWALK_ISA, has scalar", *packet, isa="scalar")
@@ -109,65 +105,39 @@ def test_kernels_out_of_reach():
     fails(2, "--isa sse4.2: this machine, or CELLWALK_ISA, allows no more than scalar", *TRACE, "--json", "--isa", "sse4.2", isa="scalar")
 
 
-def cannot_trace(field, rays, part):
-    fails(1, part, "trace", field, rays, "-o", "hits.npy")
-
-
-@pytest.mark.parametrize("name, type, shape, size, part", [
-    ("f8.npy", "<f8", "(2, 8)", 128, "holds elements of type '<f8', not '<f4'"),
-    ("big.npy", ">f4", "(2, 8)", 64, "holds elements of type '>f4'"),
-    ("seven.npy", "<f4", "(2, 7)", 56, "shape (2, 7), but rays are (N, 8)"),
-    ("flat.npy", "<f4", "(16,)", 64, "shape (16,), but rays are (N, 8)"),
-    ("huge.npy", "<f4", "(1000000000, 8)", 64, "truncated: shape (1000000000, 8)"),
-    ("longer.npy", "<f4", "(2, 8)", 65, "too long"),
-    ("absent.npy", None, None, 0, "cannot read: No such file"),
-    (".", None, None, 0, "cannot read: Is a directory"),
-    ("/dev/null", None, None, 0, "cannot read: not a regular file")])
-def test_bad_rays(name, type, shape, size, part):
-    if type:
-        npy(name, type, shape, bytes(size))
-    cannot_trace("field.npy", name, f"{name}: {part}")
-
-
-def test_rays_that_are_cut():
-    whole = read("rays.npy")
-    for cut in range(0, 128, 9):  # each byte of the header is the library's test's
-        write("cut.npy", whole[:cut])
-        cannot_trace("field.npy", "cut.npy", "cut.npy: ")
-    write("cut.npy", whole[:-1])
-    cannot_trace("field.npy", "cut.npy", "cut.npy: truncated")
-
-
 SEA = 'Shape "heightfield" "integer nu" [2] "integer nv" [2] "float Pz" [0 1 2 3]\n'
 
 
 @pytest.mark.parametrize("name, made, part", [
+    ("f8.npy", ("<f8", "(2, 8)", 128), "f8.npy: holds elements of type '<f8', not '<f4'"),
+    ("seven.npy", ("<f4", "(2, 7)", 56), "seven.npy: shape (2, 7), but rays are (N, 8)"),
+    ("flat.npy", ("<f4", "(16,)", 64), "flat.npy: shape (16,), but rays are (N, 8)"),
+    ("huge.npy", ("<f4", "(1000000000, 8)", 64), "huge.npy: truncated: shape (1000000000, 8)"),
+    (".", None, ".: cannot read: Is a directory"),
+    ("/dev/null", None, "/dev/null: cannot read: not a regular file"),
     ("row.npy", ("<f4", "(1, 16)", 64), "row.npy: 16 x 1 samples: "),
     ("none.npy", ("<f4", "(0, 16)", 0), "none.npy: shape (0, 16) holds no samples"),
     ("cube.npy", ("<f4", "(2, 2, 4)", 64), "cube.npy: shape (2, 2, 4), but a raster is (rows, columns)"),
     ("bytes.npy", ("|u1", "(8, 8)", 64), "bytes.npy: holds elements of type '|u1'"),
-    ("cut.npy", ("<f4", "(4, 4)", 63), "cut.npy: truncated"),
     ("sea.pbrt", SEA, "cellwalk trace: sea.pbrt: "),
     ("absent.npy", None, "absent.npy: cannot read: No such file"),
     ("field", None, "cellwalk trace: field: ")])
-def test_bad_fields(name, made, part):
+def test_bad_rays_and_fields(name, made, part):
+    """What is wrong with an array of rays, or with a field."""
     if isinstance(made, str):
         write(name, made)
     elif made:
         npy(name, *made[:2], bytes(made[2]))
-    cannot_trace(name, "rays.npy", part)
+    is_field = "field" in part or "samples" in part or "raster" in part or "|u1" in part or "pbrt" in part
+    fails(1, part, "trace", *((name, "rays.npy") if is_field else ("field.npy", name)), "-o", "hits.npy")
 
 
 # ---- outputs --------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("output, why", [("/dev/full", "cannot write: No space left on device"), ("absent/hits.npy", "cannot write: No such file"),
-                                         (".", "cannot write: Is a directory")])
-def test_bad_outputs(output, why):
-    fails(1, f"{output}: {why}", *TRACE, "-o", output)
-
-
 def test_full_disks():
+    for output, why in ("/dev/full", "No space left on device"), ("absent/hits.npy", "No such file"), (".", "Is a directory"):
+        fails(1, f"{output}: cannot write: {why}", *TRACE, "-o", output)
     write("hits.npy", "old")
     # A disk quota shows in the same way as this limit; the file that was there stays.
     fails(1, "hits.npy: cannot write: File too large", *TRACE, "-o", "hits.npy", file_size=8192)
@@ -208,13 +178,12 @@ def test_parts_of_a_scene_as_outputs():
             fails(1, "is also an input", "render", "scene.pbrt", "-o", output)
 
 
-def test_output_to_standard_output():
+def test_standard_output_and_closed_streams():
+    """A warning that cannot be shown lands in no file either."""
     assert shell("PROGRAM trace field.npy rays.npy -o - > piped.npy && PROGRAM trace field.npy rays.npy -o hits.npy").returncode == 0
     assert read("piped.npy") == read("hits.npy")
-
-
-def test_closed_streams_are_no_files():
-    """A warning that cannot be shown lands in no file either."""
+    done = shell("PROGRAM info > /dev/full")
+    assert done.returncode != 0 and done.stderr == "cellwalk: cannot write to standard output: No space left on device\n"
     z = np.zeros((4, 5), np.float32)
     z[0, 0] = -9999
     np.save("warns.npy", z)
@@ -223,11 +192,6 @@ def test_closed_streams_are_no_files():
     for closed in "<&- 2>&-", ">&- 2>&-", "<&- >&- 2>&-", "2>&-":
         assert shell(f"PROGRAM trace warns.npy rays.npy -o again.npy {closed}").returncode == 0
         assert read("again.npy") == read("hits.npy"), closed
-
-
-def test_results_that_cannot_be_printed():
-    done = shell("PROGRAM info > /dev/full")
-    assert done.returncode != 0 and done.stderr == "cellwalk: cannot write to standard output: No space left on device\n"
 
 
 # ---- endings --------------------------------------------------------------------------------------------------------------
@@ -256,10 +220,8 @@ def test_interruptions_leave_nothing(minutes, number):
 
 
 def test_interruptions_do_not_wait(minutes):
+    """And a second one is the end."""
     assert "interrupted" in interrupted(*minutes, input="many.npy").err  # rays are read for the query that traces them
-
-
-def test_a_second_interruption_is_the_end(minutes):
     interrupted(*minutes, signals=[signal.SIGINT, signal.SIGTERM])
 
 

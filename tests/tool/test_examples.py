@@ -8,19 +8,9 @@ import subprocess
 
 import numpy as np
 import pytest
-from program import BENCH, PROGRAM, asc, on_map, rays, run, takes, vrt, write
+from program import BENCH, PROGRAM, SCENE, asc, on_map, rays, run, takes, vrt, write
 
 NAMES = {"cellwalk": PROGRAM, "cellwalk-bench": BENCH}
-SCENE = """Film "image" "integer xresolution" 40 "integer yresolution" 30
-LookAt 0 0 0 0 0 1 0 1 0
-Camera "perspective"
-WorldBegin
-LightSource "point" "color I" [9 9 9]
-Translate -1 -1 2
-Scale 2 2 1
-Shape "heightfield" "integer nu" 2 "integer nv" 2 "float Pz" [0 0 .3 0]
-WorldEnd
-"""
 
 
 @pytest.fixture(autouse=True)

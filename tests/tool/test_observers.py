@@ -56,11 +56,6 @@ def test_the_same_places_whatever_the_table_looks_like(text, says):
     same("land.npy", from_each("100,100,3", "250.5,321.25", "400,20,=90"), ["--observers", "t.csv"], says)
 
 
-def test_a_single_place():
-    write("t.csv", "x,y\n250.5,321.25\n")
-    same("land.npy", ["--from", "250.5,321.25", "--angle"], ["--observers", "t.csv", "--angle", "--threads", 3])
-
-
 def test_a_table_of_views():
     """A line for each observer, by the samples of its own view; the raster is the same as without a table. Row 0 of an array lies in the
     north, so sample (i, j) is at (10 i, 490 - 10 j)."""
@@ -97,14 +92,6 @@ def test_weights_and_bands():
     same("land.npy", ["--observers", "t.csv"], ["--observers", "t.csv", "--memory", "100K"])
 
 
-def test_a_geotiff_says_whose_band_is_whose():
-    needs("GDAL")
-    write("t.csv", TABLE)
-    well("viewshed", "land.npy", "--cellsize", 10, "--observers", "t.csv", "--bands", "--azimuth", "10,200", "-o", "o.tif")
-    for words in b"observer 2 at 250.5,321.25", b">10,200<", b">t.csv<", b"OBSERVER_3", b"AZIMUTH":
-        assert words in read("o.tif")
-
-
 def test_along_a_line():
     """500 m in two legs: an observer each 50 m, with heights and weights between those of corners."""
     write("line.csv", "x,y,height,weight\n100,100,2,1\n400,100,8,4\n400,300,4,0\n")
@@ -135,20 +122,6 @@ def test_any_number():
 
 
 # ---- on maps --------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("dem, table, window", [
-    ("utm.vrt", "x,y,weight\n500100,5200200,2\n500444.4,5200333.3,0.125\n", "500100,5200100,500300,5200250"),
-    ("degrees.vrt", "x,y,weight\n9.0013,46.9482,2\n9.0058,46.947,0.125\n", "9.0013,46.9464,9.0039,46.94775")])
-def test_windows(dem, table, window):
-    """A part of the raster, limits and a map with a coordinate system: the same bits as from all of it."""
-    needs("GDAL")
-    write("t.csv", table)
-    words = "--observers", "t.csv", "--min-distance", 40
-    for more in taken([("--weights",), ("--angle", "--bands"), ("--weights", "--azimuth", "300,120"), ("--vertical", "-5,-1")], 2):
-        whole, part = view(dem, *words, *more, "--threads", 1), view(dem, *words, *more, "--threads", 2, "--window", window)
-        assert part.shape[-2:] == (15, 20)
-        assert whole[..., 25:40, 10:30].tobytes() == part.tobytes(), more
 
 
 def feature(kind, places, **properties):
@@ -197,24 +170,18 @@ def test_polygons():
     same("utm.vrt", words[:2], words)
     bands = view("utm.vrt", *words[:2], "--bands")
 
-    def counts(*more):
-        view("utm.vrt", *words, *more)
-        return [int(line.split(",")[3]) for line in read("s.csv").decode().splitlines()[1:]]
-    assert counts() == [(wanted & (band == 1)).sum() for band in bands] and min(counts()) > 9
-    part = wanted & (x > 500100) & (x < 500250) & (y > 5200200) & (y < 5200390)
-    assert counts("--window", "500100,5200200,500250,5200390") == [(part & (band == 1)).sum() for band in bands]
-    geojson("far.geojson", feature("Polygon", [[[9, 40], [9.1, 40], [9, 40.1], [9, 40]]]), crs="OGC:1.3:CRS84")
-    assert set(view("utm.vrt", *words[:5], "far.geojson", says="far.geojson: no sample that is looked at lies inside").ravel()) <= {0, 1, 2, 255}
-
     def around(far):
         return feature("Polygon", [[[a, b] for a, b in ((-far, -far), (far, -far), (far, far), (-far, far), (-far, -far))]])
     geojson("all.geojson", around(1e9))
-    view("utm.vrt", *words[:5], "all.geojson")
-    assert [int(line.split(",")[3]) for line in read("s.csv").decode().splitlines()[1:]] == [(band == 1).sum() for band in bands]
-    point = feature("Point", LINE[0])
-    for features, why in [([point], "feature 0: is a POINT, no polygon"), ([feature("LineString", LINE)], "feature 0: is a LINESTRING, no polygon"),
-                          ([], "holds no polygons"), ([around(1e12)], "feature 0: reaches too far away from the terrain"),
-                          ([around(1e300)], "feature 0: reaches too far away from the terrain")]:
+    geojson("far.geojson", feature("Polygon", [[[9, 40], [9.1, 40], [9, 40.1], [9, 40]]]), crs="OGC:1.3:CRS84")
+    part = wanted & (x > 500100) & (x < 500250) & (y > 5200200) & (y < 5200390)
+    for file, samples, says, more in (("a.geojson", wanted, None, ()), ("a.geojson", part, None, ("--window", "500100,5200200,500250,5200390")),
+                                      ("all.geojson", x > 0, None, ()), ("far.geojson", x < 0, "far.geojson: no sample that is looked at lies inside", ())):
+        view("utm.vrt", *words[:5], file, *more, says=says)
+        assert [int(line.split(",")[3]) for line in read("s.csv").decode().splitlines()[1:]] == [(samples & (band == 1)).sum() for band in bands]
+    assert min((wanted & (band == 1)).sum() for band in bands) > 9
+    for features, why in [([feature("Point", LINE[0])], "feature 0: is a POINT, no polygon"), ([feature("LineString", LINE)], "feature 0: is a LINESTRING, no polygon"),
+                          ([], "holds no polygons"), *(([around(far)], "feature 0: reaches too far away from the terrain") for far in (1e12, 1e300))]:
         geojson("w.geojson", *features)
         refused(1, f"w.geojson: {why}", "viewshed", "utm.vrt", *words[:5], "w.geojson", "-o", "o.npy")
     refused(1, "t.csv: holds no polygons", "viewshed", "utm.vrt", *words[:5], "t.csv", "-o", "o.npy")
@@ -294,16 +261,12 @@ FILE = "--observers", "t.csv"
     (2, "--needed looks for that height", ("--from", "1,2", "--vertical", "-9,0", "--needed")),
     (2, "--min-distance takes metres, not -1", ("--from", "1,2", "--min-distance", -1)),
     (2, "--min-distance 9 is more than", ("--from", "1,2", "--min-distance", 9, "--max-distance=5")),
+    (1, "t.npy: is also an input", (*FILE, "-o", "t.npy")),
     (1, "no room for 2 bands", (*FILE, "--bands", "-o", "o.png"))])
 def test_refusals(status, why, words):
     write("t.csv", "x,y\n100,100\n200,100\n")
-    refused(status, why, *LAND, "-o", "o.npy", *words)
-
-
-def test_the_table_is_not_overwritten():
-    write("t.csv", "x,y\n100,100\n200,100\n")
     os.link("t.csv", "t.npy")
-    refused(1, "t.npy: is also an input", *LAND, *FILE, "-o", "t.npy")
+    refused(status, why, *LAND, "-o", "o.npy", *words)
 
 
 @pytest.mark.parametrize("bands", [(), ("--bands",)])

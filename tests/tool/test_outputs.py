@@ -56,18 +56,30 @@ def test_rights_stay_and_none_are_added(output):
             assert now.st_size > 3 and stat.S_IMODE(now.st_mode) == mode & 0o777 and now.st_uid == owner, name
 
 
-@pytest.mark.parametrize("place", [write, lambda name, _: os.symlink("kept", name), lambda name, _: os.symlink("nothing", name),
-                                   lambda name, _: os.link("kept", name)], ids=["file", "link", "link to nothing", "second name"])
 @pytest.mark.parametrize("output", SIDECARS)
-def test_sidecars_go_with_the_old_file(output, place):
-    """Also if they are links, whose ends stay."""
+def test_sidecars_go_with_the_old_file(output):
+    """Also if they are links, whose ends stay, and beside either name of a link. Without an old file, nobody knows whose they are: they are neither
+    removed nor read with the new file."""
     make(output)
     write("kept", "old")
     before = entries()
+    for place in write, lambda name, _: os.symlink("kept", name), lambda name, _: os.symlink("nothing", name), lambda name, _: os.link("kept", name):
+        for name in SIDECARS[output]:
+            place(name, "old")
+        make(output)
+        assert entries() == before and read("kept") == b"old"
+    os.unlink(output)
     for name in SIDECARS[output]:
-        place(name, "old")
+        write(name, "old")
+        assert "remove that first" in refused(1, name, *FORMATS[output], "-o", output).err
+        os.unlink(name)
+    os.mkdir("elsewhere")
+    write(f"elsewhere/{output}", "old")
+    os.symlink(f"elsewhere/{output}", output)
+    for name in (sidecars := (SIDECARS[output][0], f"elsewhere/{output}.ovr")):
+        write(name, "old")
     make(output)
-    assert entries() == before and read("kept") == b"old"
+    assert not any(map(os.path.exists, sidecars))
 
 
 def test_an_old_world_file_goes_with_its_picture():
@@ -75,31 +87,6 @@ def test_an_old_world_file_goes_with_its_picture():
     make("light.png")
     write("light.pgw", "old")
     assert run("shadow", "field.npy", "--sun", "225,30", "-o", "light.png").status == 0 and not os.path.exists("light.pgw")
-
-
-@pytest.mark.parametrize("output", SIDECARS)
-def test_sidecars_beside_either_name_of_a_link(output):
-    make(output)
-    os.mkdir("elsewhere")
-    os.rename(output, f"elsewhere/{output}")
-    os.symlink(f"elsewhere/{output}", output)
-    sidecars = SIDECARS[output][0], f"elsewhere/{output}.ovr"
-    for name in sidecars:
-        write(name, "old")
-    make(output)
-    assert not any(map(os.path.exists, sidecars))
-
-
-@pytest.mark.parametrize("output", SIDECARS)
-def test_sidecars_of_no_file_are_refused(output):
-    """Without an old file, nobody knows whose they are: they are neither removed nor read with the new file."""
-    make(output)
-    os.unlink(output)
-    for name in SIDECARS[output]:
-        write(name, "old")
-        done = refused(1, name, *FORMATS[output], "-o", output)
-        assert "remove that first" in done.err
-        os.unlink(name)
 
 
 def test_a_sidecar_that_is_the_terrain_itself():
@@ -110,29 +97,18 @@ def test_a_sidecar_that_is_the_terrain_itself():
 
 
 def test_two_results_do_not_take_one_name():
-    os.mkdir("folder")
-    os.symlink("folder", "way")
-    os.symlink("soft.csv", "link.csv")
-    before = entries()
-    assert run(*LOS, "-o", "a.csv", "--profile", "b.csv").status == 0
-    assert set(entries()) - set(before) == {"a.csv", "b.csv"}
-    os.link("a.csv", "hard.csv")
-    for one, other in ("c.csv", "./c.csv"), ("folder/c.csv", "way/c.csv"), ("link.csv", "soft.csv"), ("a.csv", "hard.csv"):
-        refused(1, "is also another output", *LOS, "-o", one, "--profile", other)
+    """Names are compared by ../io/io_replace.c; here are the outputs and inputs of each command, new ones and in place of old ones."""
     write("places.csv", "x,y\n20,20\n")
-    seen = "viewshed", "field.npy", *MAP, "--observers", "places.csv"
-    for one, other in ("out.npy", "./out.npy"), ("folder/c.npy", "way/c.npy"), ("out.png", "out.pgw"), ("way/out.png", "folder/out.pgw"):
-        for again in range(2):  # where there is none, and in place of old ones
-            refused(1, "is also another output", *seen, "-o", one, "--table", other)
-            write(one, "old")
-        os.unlink(one)
-    for words in (*seen, "-o", "out.npy", "--table"), ("horizon", "field.npy", *MAP, "--places", "places.csv", "-o"), \
-            ("sun", "field.npy", *MAP, "--lon-lat", "9,47", "--date", "2024-06-21", "--step", "6h", "--at", "20,20", "-o"):
-        for name in ["field.npy"] + ["places.csv"] * ("places.csv" in words):
-            refused(1, f"{name}: is also an input", *words, name)
+    os.link("places.csv", "view.pgw")
+    seen, at = ("viewshed", "field.npy", *MAP, "--observers", "places.csv"), ("horizon", "field.npy", *MAP, "--places", "places.csv")
+    day = "sun", "field.npy", *MAP, "--lon-lat", "9,47", "--date", "2024-06-21", "--step", "6h", "--at", "20,20"
+    for _ in range(2):
+        for words in (*LOS, "-o", "a.csv", "--profile", "./a.csv"), (*seen, "-o", "out.npy", "--table", "./out.npy"), (*seen, "-o", "out.png", "--table", "out.pgw"):
+            refused(1, "is also another output", *words)
+            write(words[-3], "old")
+    for words in (*seen, "-o", "out.npy", "--table", "field.npy"), (*seen, "-o", "out.npy", "--table", "places.csv"), (*at, "-o", "field.npy"), \
+            (*at, "-o", "places.csv"), (*day, "-o", "field.npy"), (*seen, "-o", "view.png"):
+        refused(1, "view.pgw: is also an input" if words[-1] == "view.png" else f"{words[-1]}: is also an input", *words)
+    for words in (*seen, "-o", "out.npy", "--table"), (*at, "-o"), (*day, "-o"), (*LOS, "--profile"):
         done = shell(f"PROGRAM {' '.join(map(str, words))} all.csv > all.csv")
         assert done.returncode == 1 and "all.csv: is also where standard output leads" in done.stderr
-    os.symlink("places.csv", "view.pgw")
-    refused(1, "view.pgw: is also an input", *seen, "-o", "view.png")
-    done = shell("PROGRAM los field.npy --cellsize 10 --pairs pairs.csv --profile all.csv > all.csv")
-    assert done.returncode == 1 and "all.csv: is also where standard output leads" in done.stderr

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of terrain by `cellwalk render`: every pixel of level land from straight above; haze, water, sky and sun; land beyond the horizon of
+"""Pictures by `cellwalk render`: exit statuses, messages, and what is left behind; of terrain every pixel of level land from straight above; haze, water, sky and sun; land beyond the horizon of
 a sea; against closed forms."""
+import os
 import re
 
 import numpy as np
 import pytest
-from program import REAL, as_half, close, needs, picture, read, refused, run, sets, well, write
+from program import REAL, SCENE, as_half, close, exr, interrupted, library, needs, picture, read, refused, run, well, write
 
 pytestmark = pytest.mark.usefixtures("openexr")
 NX, NY, SIDE = 60, 50, 60
@@ -38,6 +39,7 @@ def land(folder):
     hole[20] = 40
     np.save("both.npy", hole)
     write("s.pbrt", "WorldBegin")
+    write("scene.pbrt", SCENE)
 
 
 def mixed(a, b, share):
@@ -82,15 +84,6 @@ def test_smooth_around_a_hole():
     inside[8:52, 2:58], hole[37:40, 24:27] = True, True
     assert not (through & inside & ~hole).any()
     close(rgb[inside & ~through], GROUND, LEVEL)
-
-
-def test_same_bits():
-    """For each instruction set and number of threads."""
-    files = set()
-    for k, isa in enumerate(sets()):
-        run("render", "wall.npy", *MAP, "--size", "300x200", "--threads", 3 if k % 2 else 1, "-o", "o.exr", isa=isa)
-        files.add(read("o.exr"))
-    assert len(files) == 1
 
 
 @pytest.mark.parametrize("size", ["90x60", "60x90"])
@@ -226,6 +219,35 @@ def test_curvature_is_off_by_default():
     assert (none == flat).all() and (none != curved).any()
 
 
+# ---- scenes ---------------------------------------------------------------------------------------------------------------
+
+
+def test_parts_of_scenes():
+    for name, *words in ("whole.exr",), ("one.exr", "--threads", 1), ("part.exr", "--crop", "30,20,50,41"):
+        assert run("render", "scene.pbrt", "--size=80x60", "-o", name, *words).status == 0
+    whole, part = map(exr, ("whole.exr", "part.exr"))
+    assert whole.shape == (60, 80, 3) and part.shape == (21, 20, 3) and read("whole.exr") == read("one.exr") and whole[30, 40, 0] > 0.1
+    assert (part == whole[20:41, 30:50]).all()
+
+
+def test_quiet_means_no_warning():
+    write("odd.pbrt", 'Film "image" "integer xresolution" 4 "integer yresolution" 4\nAccelerator "grid"\nCamera "perspective"\nWorldBegin\nWorldEnd\n')
+    done = run("render", "odd.pbrt", "-o", "odd.exr")
+    assert done.status == 0 and "warning: " in done.err
+    well("render", "odd.pbrt", "-o", "odd.exr", "--quiet")
+
+
+@pytest.mark.parametrize("name, needed", [("d.png", "libpng"), ("d.exr", "OpenEXR"), ("full.exr", "OpenEXR")])
+def test_a_full_disk_is_a_failure(name, needed):
+    """Which shows while a picture is being put into its file, not only when that is closed. And Ctrl-C leaves nothing."""
+    if not library(needed):
+        pytest.skip(f"this build lacks {needed}")
+    os.symlink("/dev/full", "full.exr")
+    refused(1, f"{name}: cannot write: No space left on device" if name == "full.exr" else name, "render", "scene.pbrt", "-o", name,
+            file_size=0 if name == "full.exr" else 64)  # less than any of them takes
+    interrupted("render", "scene.pbrt", "-o", f"c{name}", "--samples", 65536)
+
+
 # ---- refusals -------------------------------------------------------------------------------------------------------------
 
 
@@ -249,23 +271,22 @@ def test_curvature_is_off_by_default():
     (2, "--curvature takes a number from 0 on, not -1", ("level.npy", "--curvature", -1, "--from", "200,200")),
     (2, "give the eye's place by --from", ("level.npy", "--curvature", 1)),
     (2, "--water is level and does not go with --curvature", ("level.npy", "--curvature", 1, "--from", "200,200", "--water", 3)),
-    (1, "lies outside", ("level.npy", "--curvature", 1, "--from", "-900,0"))])
+    (1, "lies outside", ("level.npy", "--curvature", 1, "--from", "-900,0")),
+    (1, "missing.pbrt: cannot read: No such file", ("missing.pbrt",)),
+    (1, "s.pbrt:1: WorldBegin: no Camera", ("s.pbrt",)),
+    (2, "-o IMAGE is missing", ("scene.pbrt", None)),
+    (2, "unknown kind of picture", ("scene.pbrt", "-o", "b.jpeg")),
+    (1, "cannot write: No such file", ("scene.pbrt", "-o", "none/b.exr")),
+    (2, "'nothing' is unknown", ("scene.pbrt", "--kernel", "nothing")),
+    (2, "samples", ("scene.pbrt", "--samples", 0)),
+    *((2, "not a width and a height", ("scene.pbrt", "--size", size)) for size in ("80", "80x", "x60", "80x0", "0x60", "80x60x", "-80x60", " 80x60", "80x65537")),
+    *((2, "not X0,Y0,X1,Y1", ("scene.pbrt", "--crop", crop))
+      for crop in ("1,2,3", "1,2,3,4,", "3,2,3,4", "1,4,3,4", "1 2 3 4", "0,0,99999999999999999999,9")),
+    (1, "no part of 40 x 30 pixels", ("scene.pbrt", "--crop", "0,0,41,30"))])
 def test_refusals(status, why, words):
-    refused(status, why, "render", *words, "-o", "o.exr")
-
-
-def test_a_picture_needs_a_name():
-    refused(2, "-o IMAGE is missing", "render", "level.npy")
+    refused(status, why, "render", *(words[:-1] if words and words[-1] is None else ("-o", "o.exr", *words)))
 
 
 def test_a_place_on_another_map():
     done = run("render", "level.npy", "--from", "600000,5200000,=300", "--to", "600000,5200100,=0", "--size", "9x9", "-o", "o.exr")
     assert done.status == 0 and "nothing of the terrain is in the picture" in done.err
-
-
-def test_pictures_do_not_replace_what_they_are_made_from():
-    needs("GDAL")
-    needs("libpng")
-    run("render", "level.npy", "--size", "9x9", "-o", "o.png")
-    assert run("info", "o.png", "--band", 1).status == 0
-    refused(1, "is also an input", "render", "o.png", "--band", 1, "-o", "./o.png")

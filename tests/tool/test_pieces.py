@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parts of rasters, and rasters larger than memory: the same bits as from all of it in one piece."""
+"""Parts of rasters, and rasters larger than memory: the same bits as from all of it in one piece, with another instruction set, and threads."""
 import numpy as np
 import pytest
-from program import REAL, asc, library, needs, needs_real, on_map, refused, run, taken, takes, vrt
+from program import REAL, asc, library, needs, needs_real, on_map, refused, run, sets, taken, takes, vrt, write
 
 NX, NY = 300, 260
 UTM, DEGREES = on_map(32632, 600000, 10, 0, 5200000, 0, -10), on_map(4326, 7, 0.0003, 0, 47, 0, -0.0002)
@@ -26,14 +26,16 @@ def land(folder):
         vrt(name, "land.txt", z.shape, place)
 
 
-def product(file, command, *words):
-    done = run(command, file, *words, *(("--cellsize", 10) if file.endswith(".npy") else ()), "-o", "out.npy")
+def product(file, command, *words, **setting):
+    done = run(command, file, *words, *(("--cellsize", 10) if file.endswith(".npy") else ()), "-o", "out.npy", **setting)
     assert done.status == 0, done.err
     return np.load("out.npy")
 
 
-def same(whole, part, what):
-    assert whole.dtype == part.dtype and whole.shape == part.shape and whole.tobytes() == part.tobytes(), what
+def same(file, words, *more, at=np.s_[...], whole=None):
+    """The product with more words is that part of the one without."""
+    whole, part = product(whole or file, *words)[at], product(file, *words, *more, "--threads", 3, isa=sets()[len(words) % 2 - 1])
+    assert whole.dtype == part.dtype and whole.shape == part.shape and whole.tobytes() == part.tobytes(), (file, words)
 
 
 PRODUCTS = [("shadow", "--sun", "315,12"), ("shadow", "--sun", "5,30", "--hillshade"), ("shadow", "--sun", "200,15", "--sun-disc"),
@@ -44,6 +46,9 @@ PRODUCTS = [("shadow", "--sun", "315,12"), ("shadow", "--sun", "5,30", "--hillsh
             ("visibility", "--directions", 7, "--share", "--max-distance", 300),
             ("visibility", "--directions", 7, "--longest", "--target-height", 5, "--max-distance", 500),
             ("sun", "--date", "2024-12-21", "--step", "4h", "--lon-lat", "7,47")]
+# In Luxembourg, a map in degrees with holes around it.
+ON_LAND = [("sun", "--date", "2024-12-21", "--step", "2h"), ("sun", "--date", "2024-03-20", "--step", "4h", "--irradiance", "--sky", 5),
+           ("horizon", "--svf-tilted", "--directions", 5), ("horizon", "--directions", 3, "--curvature", 1)]
 
 
 def files():
@@ -52,11 +57,22 @@ def files():
 
 def test_windows():
     """Each product without a map, and on one of the maps by turns."""
-    cases = [(file, words, MAPS[file][0]) for m, file in enumerate(files()[:3])
-             for k, words in enumerate([*PRODUCTS, ("viewshed", "--from", MAPS[file][1]), ("viewshed", "--from", MAPS[file][1], "--needed")])
-             if m == 0 or (k + m) % 2 == 0]
+    cases = []
+    for m, (file, (window, place)) in enumerate(MAPS.items()):
+        x, y, height = place.split(",")
+        write(f"{file}.csv", f"x,y,height,weight\n{x},{y},{height},2\n{x},{y},3,0.125\n")
+        seen, many = ("viewshed", "--from", place), ("viewshed", "--observers", f"{file}.csv", "--min-distance", 40)
+        products = [*PRODUCTS, seen, (*seen, "--needed"), (*many, "--weights"), (*many, "--angle", "--bands"), (*many, "--weights", "--azimuth", "300,120"),
+                    (*many, "--vertical", "-5,-1")]
+        cases += [(file, words, window) for k, words in enumerate(products) if (m == 0 or (k + m) % 2 == 0) and file in files()]
     for file, words, window in taken(cases, 13):
-        same(product(file, *words)[PART], product(file, *words, "--window", window), (file, words))
+        same(file, words, "--window", window, at=PART)
+
+
+def test_windows_of_real_land():
+    needs_real()
+    for words in taken(ON_LAND, 4):
+        same(REAL, words, "--window", "6.0,49.7,6.2,49.9", at=np.s_[..., 35:59, 31:55])
 
 
 def test_bands():
@@ -64,9 +80,9 @@ def test_bands():
     for m, file in enumerate(files()):
         for k, words in enumerate([("shadow", "--sun", "340,35"), ("shadow", "--sun", "5,30", "--hillshade"), ("shadow", "--sun", "200,60", "--sun-disc"),
                                    ("shadow", "--sun", "45,89", "--disc", 4), ("horizon", "--svf", "--max-distance", 300),
-                                   ("visibility", "--longest", "--max-distance", 100)]):
-            if (m + k) % 2 == 0 and takes((m + k) // 2, 6):
-                same(product(file, *words), product(file, *words, "--memory", "2.4M"), (file, words))
+                                   ("visibility", "--longest", "--max-distance", 100), ("visibility", "--every", 3, "--directions", 3, "--max-distance", 100)]):
+            if ((m + k) % 2 == 0 or m == 0) and takes((m + k) // 2, 6):
+                same(file, words, "--memory", "6M" if "--every" in words else "2.4M")
 
 
 DAY = "sun", "--date", "2024-06-21", "--step", "6h", "--lon-lat", "7,47"
@@ -86,7 +102,7 @@ def test_far_horizons(strip):
     for words in taken([("horizon", "--directions", 4, "--curvature", 1000), ("horizon", "--directions", 5, "--svf", "--curvature", 100),
                         ("horizon", "--directions", 4, "--svf-tilted", "--curvature", 100), DAY,
                         (*DAY, "--directions", 8, "--irradiance", "--sky", 4, "--curvature", 100)], 3):
-        same(product("strip.npy", *words), product("strip.npy", *words, "--memory", "3.9M"), words)
+        same("strip.npy", words, "--memory", "3.9M")
 
 
 @pytest.mark.parametrize("why, command, words", [
@@ -106,23 +122,11 @@ def test_near_views(file, distance, side):
     words = "viewshed", "--from", MAPS[file][1], "--max-distance", distance
     near = np.s_[100 - side:101 + side, 150 - side:151 + side]
     for more in taken([(), ("--needed",)], 2):
-        whole = product(file, *words, *more, "--window=-1e9,-1e9,1e9,1e9")
-        same(whole[near], product(file, *words, *more), file)
+        whole, part = product(file, *words, *more, "--window=-1e9,-1e9,1e9,1e9"), product(file, *words, *more)
+        assert whole[near].tobytes() == part.tobytes()
         if not more:
             whole[near] = 0
             assert np.isin(whole, (0, 255)).all()
-
-
-def test_real_land():
-    """Luxembourg, a map in degrees with holes around it."""
-    needs_real()
-    for words in taken([("sun", "--date", "2024-12-21", "--step", "2h"), ("sun", "--date", "2024-03-20", "--step", "4h", "--irradiance", "--sky", 5),
-                        ("horizon", "--svf-tilted", "--directions", 5), ("horizon", "--directions", 3, "--curvature", 1)], 4):
-        same(product(REAL, *words)[..., 35:59, 31:55], product(REAL, *words, "--window", "6.0,49.7,6.2,49.9"), words)
-    # What is seen needs no height.
-    seen, need = (product(REAL, "viewshed", "--from", "6.13,49.61,2", *more) for more in ((), ("--needed",)))
-    assert (np.isnan(need) == (seen == 255)).all() and ((need == 0) == (seen == 1)).all()
-    assert (seen == 0).sum() > 100 and (seen == 1).sum() > 10
 
 
 def test_huge():
@@ -132,8 +136,8 @@ def test_huge():
     vrt("small.vrt", "land.txt", (NY, NX), on_map(None, 1000320, 10, 0, -1000320, 0, -10))
     memory = "--memory", "60M"
     shadow, view = ("shadow", "--sun", "315,12"), ("viewshed", "--from", "1001825,-1001325,10", "--max-distance", 600)
-    same(product("small.vrt", *shadow)[PART], product("huge.vrt", *shadow, "--window", "1001320,-1001620,1002320,-1001170", *memory), "shadow")
-    same(product("small.vrt", *view), product("huge.vrt", *view, *memory), "viewshed")
+    same("huge.vrt", shadow, "--window", "1001320,-1001620,1002320,-1001170", *memory, at=PART, whole="small.vrt")
+    same("huge.vrt", view, *memory, whole="small.vrt")
 
 
 @pytest.mark.parametrize("status, why, command, words", [

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """shadow, horizon, viewshed, sun and los as users run them: files in, files out, on made-up land and on a real one."""
+import json
 import re
 
 import numpy as np
 import pytest
-from program import (REAL, array, asc, interrupted, needs, needs_real, rays, read, refused, rough, run, sets, taken, takes, vrt, well,
+from program import (REAL, array, asc, entries, interrupted, needs, needs_real, rays, read, refused, rough, run, sets, taken, takes, vrt, well,
                      write)
 
 NX, NY = 60, 50
@@ -15,10 +16,13 @@ FLAT = *MAP, "--curvature", 0
 
 @pytest.fixture(autouse=True)
 def wall(folder):
-    """A wall of 40 m along row 20, on level ground."""
+    """A wall of 40 m along row 20, y = 290, on level ground; and the same with a hole at x = 300, y = 250."""
     z = np.zeros((NY, NX), np.float32)
     z[20] = 40
     np.save("wall.npy", z)
+    holed = z.copy()
+    holed[24, 30] = np.nan
+    np.save("holed.npy", holed)
     return z
 
 
@@ -51,7 +55,9 @@ def test_coarser_wall():
 def test_horizon_at_a_wall():
     words = "horizon", "wall.npy", *MAP, "--directions", 4
     row, column, up = 30, 30, np.degrees(np.arctan(40 / 100))  # x = 300, y = 190
-    at = array(*words)[:, row, column]
+    angles = array(*words)  # there is no data beyond the border, and no angle that statistics would count
+    assert np.isnan(angles[0, 0]).all() and (angles[0, 1:] > -89).all()
+    at = angles[:, row, column]
     assert abs(at[0] - up) < 1e-3 and (at[1:] == 0).all()
     assert well(*words, "--at", "300,190").out == (
         "place,azimuth,true_azimuth,angle,distance,x,y\n1,0,,21.801409,100.000,300,290\n1,90,,0.000000,10.000,310,190\n"
@@ -60,12 +66,6 @@ def test_horizon_at_a_wall():
     assert metres[:, row, column].tolist() == [100, 10, 10, 10] and np.isnan(metres[0, 0]).all()
     sky = array(*words, "--svf")[row, column]
     assert abs(sky - (3 + np.cos(np.radians(up)) ** 2) / 4) < 1e-6
-
-
-def test_border_samples_have_no_horizon_beyond():
-    """That is no data, and no angle that statistics would count."""
-    angle = array("horizon", "wall.npy", *MAP, "--directions", 1)
-    assert np.isnan(angle[0]).all() and (angle[1:] > -89).all()
 
 
 def test_view_of_a_wall():
@@ -77,10 +77,7 @@ def test_view_of_a_wall():
     # What stands 10 rows behind the wall, 20 from the eye, must be 80 m high less what the eye is.
     needed = array("viewshed", "wall.npy", *FLAT, "--from", "300,190,0", "--needed")
     assert abs(needed[10, 30] - 80) < 1e-4
-
-
-def test_large_view():
-    """Larger than what is written at once, with the wall in the last block."""
+    # Larger than what is written at once, with the wall in the last block.
     z = np.zeros((600, 2000), np.float32)
     z[590] = 40
     np.save("large.npy", z)
@@ -123,17 +120,13 @@ def test_heights_of_places(same):
 
 
 def test_a_place_next_to_a_row_is_on_it():
-    """But for a last digit: on the ridge of the wall both sides are seen, not one."""
+    """But for a last digit: on the ridge of the wall both sides are seen, not one. One over some distances is no number."""
     words = "viewshed", "wall.npy", "--cellsize", 1, "--curvature", 0, "--from"
     seen = [array(*words, place) for place in ("7,29,0", "7,29.000000001,0", "7,28.999999999,0")]
     assert seen[0][0, 7] == 1 and seen[0][49, 7] == 1 and (seen[1] == seen[0]).all() and (seen[2] == seen[0]).all()
-
-
-@pytest.mark.parametrize("place", ["7,1e-320,=2", "7,-1e-320,=2", "1e-300,7,=2"])
-def test_as_near_to_a_row_as_can_be(place):
-    """One over that distance is no number."""
-    need = array("viewshed", "wall.npy", "--cellsize", 1, "--from", place, "--needed")
-    assert ((need >= 0) & (need < 1000)).all()
+    for place in "7,1e-320,=2", "7,-1e-320,=2", "1e-300,7,=2":
+        need = array(*words, place, "--needed")
+        assert ((need >= 0) & (need < 1000)).all()
 
 
 RUNS = [("shadow", "--sun", "20,60", "-o", "o.npy"), ("horizon", "--directions", 3, "-o", "o.npy"), ("viewshed", "--from", "7,35,60", "-o", "o.npy"),
@@ -151,15 +144,80 @@ def test_rows_without_a_map(words):
     assert results[0] == results[1]
 
 
-def test_shadow_falls_to_the_south():
-    run("shadow", "wall.npy", "--sun", "0,88", "-o", "o.npy")
-    lit = np.load("o.npy")
-    assert lit[19, 0] == 1 and lit[21, 0] == 0
-
-
 @pytest.mark.parametrize("date, rows", [("0999", 12), ("0999-02", 28), ("2024-02", 29), ("9999", 12)])
 def test_months_and_years(wall, date, rows):
     assert well("sun", "wall.npy", *MAP, "--lon-lat", "9,47", "--date", date, "--step", "6h", "--at", "5,5").out.count("\n") == 1 + rows
+
+
+# ---- pairs and profiles ---------------------------------------------------------------------------------------------------
+
+LOS = "los", "holed.npy", *FLAT
+
+
+def test_each_row_is_answered_as_its_places_alone():
+    ends = ("200,190,2", "200,390,=30"), ("200,190,2", "200,390,85"), ("10,20,0", "333.3,401.5,1"), ("5,5,=3", "580,5,3")
+    write("p.csv", "x1,y1,height1,height2,x2,y2\n200,190,2,=30,200,390\n200,190,2,85,200,390\n10,20,,1,333.3,401.5\n5,5,=3,3,580,5\n")
+    well(*LOS, "--pairs", "p.csv", "-o", "a.csv")
+    head, *lines = read("a.csv").decode().splitlines()
+    assert head == "pair,x1,y1,x2,y2,visible,distance,blocked_distance,blocked_x,blocked_y,blocked_height" and len(lines) == 4
+    for k, (places, line) in enumerate(zip(ends, lines), 1):
+        wanted = json.loads(well(*LOS, "--json", *places).out)
+        cells = line.split(",")
+        assert cells[0] == str(k) and int(cells[5]) == wanted["visible"]
+        assert np.allclose(np.array(cells[1:5], float), [float(c) for place in places for c in place.split(",")[:2]], rtol=0, atol=1e-6)
+        assert abs(float(cells[6]) - wanted["distance"]) < 6e-4
+        if wanted["visible"]:
+            assert cells[7:] == [""] * 4
+        else:
+            off = np.abs(np.array(cells[7:], float) - [wanted["blocked_distance"], *wanted["blocked_at"], wanted["blocked_height"]])
+            assert (off < [6e-4, 1e-6, 1e-6, 6e-4]).all()
+    assert well(*LOS, "--pairs", "p.csv").out == read("a.csv").decode()
+
+
+def test_profile_over_a_wall():
+    """Over level ground, up and down the wall, and into its shadow: heights are known at every crossing."""
+    assert well(*LOS, "200,190,2", "200,390,=30", "--profile", "p.csv").out.startswith("blocked: ")
+    rows = [f"1,{10 * k:.3f},200,{190 + 10 * k},{40 * (k == 10):.3f},{2 + 1.4 * k:.3f},{int(k <= 10)}\n" for k in range(21)]
+    assert read("p.csv").decode() == "pair,distance,x,y,ground,line,seen\n" + "".join(rows)
+    # Between two rows: columns and diagonals in turn. On a row: a hole has no ground.
+    write("l.csv", "x1,y1,x2,y2,height2\n100,255,500,255,3\n280,250,320,250,3\n")
+    well(*LOS, "--pairs", "l.csv", "--profile", "p.csv")
+    text = read("p.csv").decode()
+    assert ("\n2,0.000,280,250,0.000,0.000,1\n2,10.000,290,250,0.000,0.750,1\n2,20.000,300,250,,1.500,\n"
+            "2,30.000,310,250,0.000,2.250,0\n2,40.000,320,250,0.000,3.000,0\n") in text
+    assert text.count("\n") == 1 + 81 + 5  # every 10 m a column, halfway between a diagonal
+
+
+def test_rows_are_as_long_as_their_numbers():
+    """Metres of 151 digits."""
+    write("p.csv", "x1,y1,x2,y2,height1,height2\n2e150,1e150,2e150,40e150,5,1\n")
+    well("los", "holed.npy", "--cellsize", "1e150", "--pairs", "p.csv", "-o", "a.csv", "--profile", "b.csv")
+    for name, columns, count in ("a.csv", 11, 2), ("b.csv", 7, 41):
+        text = read(name).decode()
+        rows = text.splitlines()
+        assert re.fullmatch(r"[ -~\n]*", text) and len(rows) == count and {row.count(",") for row in rows} == {columns - 1}
+        assert sum(c.isdigit() for c in text) > 150 * (count - 1)
+
+
+@pytest.mark.parametrize("text, why", [
+    ("x1,y1,x2\n1,2,3\n", "p.csv: has no column 'y2'; its first line names x1, y1, x2"),
+    ("x1,y1,x2,y2\n", "p.csv: holds no pairs"),
+    ("x1,y1,x2,y2\n1,2,3,4\n1,2,b,4\n", "p.csv:3: 'b' stands where a number should, in x2"),
+    ("x1,y1,x2,y2\n1,2,3,4\n1,2,3,999\n", "p.csv:3: 3,999,0: lies outside"),
+    ("x1,y1,height1,x2,y2\n1,2,low,3,4\n", "p.csv:2: 'low' stands where a height")])
+def test_pairs_that_are_refused(text, why):
+    write("p.csv", text)
+    refused(1, why, *LOS, "--pairs", "p.csv", "-o", "a.csv", "--profile", "b.csv")
+
+
+def test_many_pairs():
+    """So many pairs that they take a while: the disk is full, and Ctrl-C."""
+    write("p.csv", "x1,y1,x2,y2\n" + "".join(f"0,0,{k % 590},400\n" for k in range(200000)))
+    before = entries()
+    words = *LOS, "--pairs", "p.csv", "-o", "a.csv", "--profile", "b.csv"
+    done = run(*words, file_size=1000000)
+    assert done.status == 1 and "b.csv: cannot write: File too large" in done.err and entries() == before
+    interrupted(*words, input="holed.npy")
 
 
 # ---- refusals -----------------------------------------------------------------------------------------------------------
@@ -190,6 +248,13 @@ REFUSED = [
     # Farther away than lines of sight are computed, where numbers no longer fit.
     (1, "is too far away", "los", "1e308,1e308,=9", "10,10,2"),
     (1, "is too far away", "los", "10,10,2", "1e8,3,=9"),
+    (1, "pairs.csv", "los", "--pairs", "pairs.csv", "-o", "./pairs.csv"),
+    (2, "do not go together", "los", "--pairs", "pairs.csv", "1,2", "3,4"),
+    (2, "FROM is missing, or --pairs FILE", "los"),
+    (2, "TO is missing, or --pairs FILE", "los", "1,2"),
+    (2, "-o goes with --pairs", "los", "1,2", "3,4", "-o", "a.csv"),
+    (2, "--json goes with two places", "los", "--pairs", "pairs.csv", "--json"),
+    (2, "--profile needs a file that nothing else is written to", "los", "--pairs", "pairs.csv", "--profile", "-"),
     *((status, why, "sun", *MAP, "-o", "s.csv" if "--at" in more else "s.npy", *more) for status, why, *more in [
         (2, "--date is missing"),
         (2, "--suns goes with none of --date", "--suns", "no.csv", "--date", "2024"),
@@ -217,6 +282,7 @@ REFUSED = [
 def test_refusals(status, why, command, more):
     write("suns.csv", "azimuth,altitude\n1,90\n2,91\n")
     write("head.csv", "azimuth,altitude,weight\n")
+    write("pairs.csv", "x1,y1,x2,y2\n1,2,3,4\n")
     refused(status, why, command, "wall.npy", *more)
 
 
@@ -256,7 +322,7 @@ SHADOW, VIEW, HORIZON = (("shadow", *MAP, "--sun", "225.5,30"), ("viewshed", *MA
     (SHADOW, [">225.5<", "SUN_ALTITUDE", "1 where the sun is seen, 0 in the shadow", "cellwalk VERSION"]),
     ((*SHADOW, "--hillshade"), ["cosine of the angle between sun and normal"]),
     ((*VIEW, "--from", "310,100,=7"), [">300,100,2<", ">310,100,=7<", "OBSERVER_2", "number of observers that see the target", "CURVATURE"]),
-    ((*VIEW, "--needed"), ["height above ground that is needed to be seen", ">m<"]),
+    ((*VIEW, "--needed", "--azimuth", "10,200"), ["height above ground that is needed to be seen", ">m<", "AZIMUTH", ">10,200<"]),
     (HORIZON, ["azimuth 240", ">degree<", "DIRECTIONS"]),
     ((*HORIZON, "--svf"), ["sky-view factor"]),
     ((*HORIZON, "--svf-tilted"), ["reaches the leaning ground"]),
@@ -296,81 +362,3 @@ def test_sources_are_not_replaced():
         for command, *more in ("shadow", "--sun", "0,30"), ("horizon",), ("viewshed", "--from", "15,15,2"), ("trace", "rays.npy"):
             refused(1, "is also an input", command, "outer.vrt", *more, "-o", to)
     assert read("grid.npy") == before
-
-
-# ---- real land in degrees, with holes -----------------------------------------------------------------------------------
-
-
-def test_real_terrain_has_the_same_bits():
-    """For each instruction set and number of threads."""
-    needs_real()
-    view = "viewshed", REAL, "--from", "6.1,49.75,30"
-    for words in taken([("shadow", REAL, "--sun", "130,4"), ("shadow", REAL, "--sun", "130,4", "--hillshade", "--sun-disc"),
-                        ("horizon", REAL, "--directions", 5), ("horizon", REAL, "--svf"), view, (*view, "--needed")], 3):
-        files = set()
-        for k, isa in enumerate(sets()):
-            well(*words, "--threads", 1 if k % 2 else 3, "-o", "o.npy", isa=isa)
-            files.add(read("o.npy"))
-        assert len(files) == 1, words
-
-
-def test_real_view():
-    """Sample by sample, by looking at every edge."""
-    needs_real()
-    rasterio = pytest.importorskip("rasterio")
-    with rasterio.open(REAL) as file:
-        z, (i, j) = file.read(1, masked=True).astype(float).filled(np.nan), ~file.transform * (6.1, 49.75)
-    got = array("viewshed", REAL, "--from", "6.1,49.75,30")
-    i, j, rows, columns = i - 0.5, j - 0.5, *np.mgrid[:z.shape[0], :z.shape[1]]
-    holes = np.isnan(z)
-    assert (got[holes] == 255).all() and holes.sum() == 3942
-    # Metres in a degree at the eye, on the ellipsoid of WGS 84; the surface on triangles whose diagonal goes from (i, j) to (i + 1, j + 1).
-    e2, a = 2 / 298.257223563 - 1 / 298.257223563**2, 6378137.0
-    w = np.sqrt(1 - e2 * np.sin(np.radians(49.75)) ** 2)
-    cell = 1 / 120
-    x, y = np.radians(cell) * a / w * np.cos(np.radians(49.75)) * (columns - i), np.radians(cell) * a * (1 - e2) / w**3 * (rows - j)
-    u, v, left, top = i % 1, j % 1, int(i), int(j)
-    corner = z[top:top + 2, left:left + 2]
-    ground = (corner[0, 0] * (1 - max(u, v)) + corner[1, 1] * min(u, v) + (corner[0, 1] if u > v else corner[1, 0]) * abs(u - v))
-    rise = z - ground - 30 - 6 / 7 / (2 * a) * (x**2 + y**2)
-    edges = [(np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:]), (np.s_[:-1, :-1], np.s_[1:, 1:])]
-    seen = unclear = 0
-    for k, (row, column) in enumerate(np.argwhere(~holes)):
-        if not takes(k, 4):
-            continue
-        dx, dy = column - i, row - j
-        side, share = dx * (rows - j) - dy * (columns - i), (dx * (columns - i) + dy * (rows - j)) / (dx * dx + dy * dy)
-        passed = (np.abs(side) < 1e-9) & (share > 1e-9) & (share < 1 - 1e-9) & ~holes
-        steepest = (rise[passed] / share[passed]).max(initial=-np.inf)
-        for one, other in edges:
-            with np.errstate(divide="ignore", invalid="ignore"):
-                f = side[one] / (side[one] - side[other])
-                at, height = share[one] + f * (share[other] - share[one]), rise[one] + f * (rise[other] - rise[one])
-                crossed = (side[one] * side[other] < 0) & (at > 1e-9) & (at < 1 - 1e-9) & ~np.isnan(height)
-                steepest = max(steepest, (height / at)[crossed].max(initial=-np.inf))
-        near = abs(steepest - rise[row, column]) < 1e-3
-        unclear += near
-        assert near or got[row, column] == (steepest < rise[row, column]), (row, column)
-        seen += got[row, column]
-    assert seen > 25 and unclear < 3
-
-
-def test_sun_by_time():
-    """At noon the sun stands in the south, as high as 90 degrees less the latitude and its declination: 23.436 in summer."""
-    needs_real()
-    said = well("shadow", REAL, "--time", "2024-06-21T11:37:24Z", "-o", "s.npy").out
-    azimuth, altitude = map(float, re.search(r"azimuth (\S+) \(\S+ on the map\), altitude (\S+) degrees", said).groups())
-    assert abs(azimuth - 180) < 0.05 and abs(altitude - (90 - 49.8167 + 23.436)) < 0.02
-
-
-def test_sun_on_a_turned_map():
-    """East of a zone's middle the map's north points to the east of the true one, by the longitude from there times the sine of the
-    latitude, nearly."""
-    needs_real()
-    asc("a.asc", np.array([[0, 1], [2, 7]]), 600000, 5200000)
-    write("a.prj", 'PROJCS["UTM 32N",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],'
-          'UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",9],'
-          'PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1]]')
-    said = well("shadow", "a.asc", "--time", "2024-12-21T14:00:00+01:00", "-o", "s.npy").out
-    lon, lat, azimuth, on_map = map(float, re.search(r"over (\S+), (\S+): azimuth (\S+) \((\S+) on the map\)", said).groups())
-    assert abs(lon - 10.315) < 0.01 and abs(azimuth - (lon - 9) * np.sin(np.radians(lat)) - on_map) < 0.003
