@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests of the Python module share: the program to compare with, and fields on maps of three kinds."""
 import os
-import pathlib
 import subprocess
 
 import numpy as np

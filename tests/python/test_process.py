@@ -4,7 +4,6 @@ import gc
 import multiprocessing
 import os
 import pickle
-import signal
 import subprocess
 import sys
 import threading
@@ -13,7 +12,7 @@ import numpy as np
 import pytest
 
 import cellwalk as cw
-from conftest import random_rays, rough, same, same_hits
+from conftest import random_rays, rough, same
 
 Z = rough(257, 257)
 

@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 import pytest
-from program import array, asc, interrupted, needs, npy, on_map, read, refused, run, taken, takes, vrt, well, write
+from program import asc, interrupted, needs, on_map, read, refused, run, taken, vrt, write
 
 NX, NY = 60, 50
 ROWS, COLUMNS = np.mgrid[:NY, :NX]

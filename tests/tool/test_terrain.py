@@ -5,8 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from program import (REAL, array, asc, entries, interrupted, needs, needs_real, rays, read, refused, rough, run, sets, taken, takes, vrt, well,
-                     write)
+from program import REAL, array, asc, entries, interrupted, needs, needs_real, rays, read, refused, rough, run, vrt, well, write
 
 NX, NY = 60, 50
 ROWS, COLUMNS = np.mgrid[:NY, :NX]
