@@ -9,7 +9,7 @@ static void settle(line *l, const sight *s, double block) {
     const terrain *t = s->terrain;
     const double *eye = l->eye, *target = l->target;
     double metres[2];
-    const double height = target[2] - s->eye[2] - cw_sight_fall(s, target[0], target[1]);
+    const double height = target[2] - s->eye[2] - sight_fall(s, target[0], target[1]);
     cw_terrain_metres(t, eye[0], eye[1], metres);
     for (int e = 0; e < 2; e++) terrain_to_map(t, e ? target[0] : eye[0], e ? target[1] : eye[1], l->ends[e]);
     l->length = hypot((l->ends[1][0] - l->ends[0][0]) * metres[0], (l->ends[1][1] - l->ends[0][1]) * metres[1]);
@@ -17,7 +17,7 @@ static void settle(line *l, const sight *s, double block) {
     if (!l->blocked) return;
     for (int e = 0; e < 2; e++) l->block[e] = l->ends[0][e] + block * (l->ends[1][e] - l->ends[0][e]);
     /* The line bends up against the lowered surface by as much as that is lowered. */
-    const double bend = cw_sight_fall(s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
+    const double bend = sight_fall(s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
     l->block_height = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
     l->block_distance = block * l->length;
 }

@@ -35,38 +35,55 @@ const float *outcome_read(const io_raster_product *p, const void *cells, size_t 
 void outcome_take(outcome *o, const float *values, size_t n) {
     for (size_t k = 0; k < n; k++) {
         const float value = values[k];
-        const bool keeps = o->samples++ % o->step == 0;
-        if (isnan(value)) {
-            o->holes++;
-            continue;
-        }
+        o->holes += isnan(value) ? 1 : 0;
         o->above += value > 0;
         o->low = value < o->low ? value : o->low;
         o->high = value > o->high ? value : o->high;
-        if (keeps && o->count < o->room) o->kept[o->count++] = value;
     }
+    for (size_t k = (o->step - o->samples % o->step) % o->step; k < n; k += o->step)
+        if (!isnan(values[k]) && o->count < o->room) o->kept[o->count++] = values[k];
+    o->samples += n;
 }
 
 bool outcome_count(outcome *o, const io_raster_product *p, const void *cells, size_t n) {
     const uint8_t *bytes = cells, nodata = (uint8_t)p->nodata;
     if (p->cell != IO_CELL_UINT8) return false;
-    for (size_t k = 0; k < n; k++) {
-        o->holes += bytes[k] == nodata;
-        o->above += bytes[k] != nodata && bytes[k] > 0;
-    }
     o->samples += n;
+    for (size_t k = 0; k < n;) { /* few enough for counts in bytes, of which a vector holds many */
+        const size_t end = n - k < UINT8_MAX ? n : k + UINT8_MAX, part = end - k;
+        uint8_t holes = 0, zeros = 0;
+        for (; k < end; k++) {
+            holes = (uint8_t)(holes + (bytes[k] == nodata));
+            zeros = (uint8_t)(zeros + (bytes[k] == 0));
+        }
+        o->holes += holes;
+        o->above += part - holes - zeros;
+    }
     return true;
-}
-
-static int compare(const void *a, const void *b) {
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
 }
 
 double outcome_quantile(const outcome *o, double share) {
     if (o->count == 0) return NAN;
-    qsort(o->kept, o->count, sizeof *o->kept, compare);
-    return (double)o->kept[(size_t)(share * (double)(o->count - 1) + 0.5)];
+    float *v = o->kept;
+    const size_t n = (size_t)(share * (double)(o->count - 1) + 0.5);
+    /* The part in which number n of the order is shrinks to that: Hoare's selection. */
+    for (size_t low = 0, high = o->count - 1; low < high;) {
+        const float middle = v[low + (high - low) / 2];
+        size_t i = low, j = high;
+        for (;; i++, j--) {
+            while (v[i] < middle) i++;
+            while (v[j] > middle) j--;
+            if (i >= j) break;
+            const float swap = v[i];
+            v[i] = v[j];
+            v[j] = swap;
+        }
+        if (n <= j)
+            high = j;
+        else
+            low = j + 1;
+    }
+    return (double)v[n];
 }
 
 void outcome_text(const outcome *o, const io_raster_product *p, const char *counted, char *text, size_t size) {

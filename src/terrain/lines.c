@@ -34,7 +34,7 @@ static cw_sight_answer look_along(const looking *l, const cw_sight *line) {
     const double *eye = at[0], *target = at[1];
     sight s;
     cw_sight_init(&s, t, NULL, eye, l->curvature);
-    const double height = target[2] - s.eye[2] - cw_sight_fall(&s, target[0], target[1]);
+    const double height = target[2] - s.eye[2] - sight_fall(&s, target[0], target[1]);
     const double block = cw_sight_first_block(&s, target[0], target[1], target[2]);
     cw_terrain_metres(t, eye[0], eye[1], metres);
     for (int e = 0; e < 2; e++) terrain_to_map(t, at[e][0], at[e][1], xy[e]);
@@ -44,7 +44,7 @@ static cw_sight_answer look_along(const looking *l, const cw_sight *line) {
     a.state = CW_SIGHT_BLOCKED;
     for (int c = 0; c < 2; c++) a.blocked[c] = xy[0][c] + block * (xy[1][c] - xy[0][c]);
     /* The line bends up against the lowered surface by as much as that is lowered. */
-    const double bend = cw_sight_fall(&s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
+    const double bend = sight_fall(&s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
     a.blocked[2] = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
     a.distance = block * a.metres;
     return a;

@@ -210,7 +210,7 @@ static void profiles(void **state) {
             for (int c = 0; c < 2; c++) at[c] = ends[0][c] + a->share * (ends[1][c] - ends[0][c]);
             holes += isnan(a->ground) ? 1 : 0;
             if (k > 0 && k + 1 < p.count && !isnan(a->ground)) {
-                const double rise = (a->ground - s.eye[2] - cw_sight_fall(&s, at[0], at[1])) / a->share;
+                const double rise = (a->ground - s.eye[2] - sight_fall(&s, at[0], at[1])) / a->share;
                 const double before =
                     cw_sight_steepest(&s, at[0], at[1], -INFINITY).steepest / a->share; /* of all of the way */
                 if (fabs(rise - before) > 1e-6) {

@@ -62,7 +62,7 @@ static void by_lines(const target *t, tally *sum) {
     check(fabs((double)t->need - need) <= 0x1p-17, WHERE ": %.9g m are needed, not %.9g", WHERE_IS(t), need,
           (double)t->need);
     const double steepest = cw_sight_steepest(t->sight, t->x, t->y, -INFINITY).steepest;
-    const double base = t->z - t->sight->eye[2] - cw_sight_fall(t->sight, t->x, t->y);
+    const double base = t->z - t->sight->eye[2] - sight_fall(t->sight, t->x, t->y);
     check(fabs(metres * fmax(steepest - base, 0) - need) <= 0x1p-17 + 1e-6 * need,
           WHERE ": something rises by %.9g, and %.9g m are needed", WHERE_IS(t), steepest - base, need);
     sum->seen += sees;

@@ -44,7 +44,7 @@ static void set_sample(judge *q, size_t i, size_t j, mpq_t x, mpq_t y, mpq_t z) 
     set_difference(x, (double)i, s->eye[0]);
     set_difference(y, (double)j, s->eye[1]);
     set_difference(z, (double)s->terrain->z[j * s->terrain->nx + i], s->eye[2]);
-    mpq_set_d(q->c, cw_sight_fall(s, (double)i, (double)j));
+    mpq_set_d(q->c, sight_fall(s, (double)i, (double)j));
     mpq_sub(z, z, q->c);
 }
 
@@ -121,7 +121,7 @@ int judge_line(const sight *s, double i, double j, double z, double above) {
     set_difference(q.top, z, s->eye[2]);
     mpq_set_d(q.c, above);
     mpq_add(q.top, q.top, q.c);
-    mpq_set_d(q.c, cw_sight_fall(s, i, j));
+    mpq_set_d(q.c, sight_fall(s, i, j));
     mpq_sub(q.top, q.top, q.c);
     q.rise = mpq_get_d(q.top);
     const double line[2] = {i - s->eye[0], j - s->eye[1]};

@@ -30,13 +30,8 @@ void cw_sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const
     for (int c = 0; c < 3; c++) s->fall[c] = without_dust(s->fall[c]);
 }
 
-double cw_sight_fall(const sight *s, double i, double j) {
-    const double x = i - s->eye[0], y = j - s->eye[1];
-    return s->fall[0] * x * x + s->fall[1] * x * y + s->fall[2] * y * y;
-}
-
 double cw_sight_sample(const sight *s, size_t i, size_t j) {
-    return (double)terrain_row(s->terrain, j)[i] - s->eye[2] - cw_sight_fall(s, (double)i, (double)j);
+    return (double)terrain_row(s->terrain, j)[i] - s->eye[2] - sight_fall(s, (double)i, (double)j);
 }
 
 /* ---- the steepest rise ------------------------------------------------------------------------------------------- */
@@ -64,7 +59,7 @@ static inline bool look_for_steepest(void *context, const crossing *c) {
 static double least_fall(const sight *s, double left, double right, double top, double bottom) {
     if (s->fall[0] == 0 && s->fall[2] == 0) return 0;
     const double i = clamped(s->eye[0], left, right), j = clamped(s->eye[1], top, bottom);
-    if (s->fall[1] == 0) return cw_sight_fall(s, i, j);
+    if (s->fall[1] == 0) return sight_fall(s, i, j);
     /* Turned: in units of the shorter of the ellipse's axes. */
     const double mean = 0.5 * (s->fall[0] + s->fall[2]), half = 0.5 * (s->fall[0] - s->fall[2]);
     const double least = mean - sqrt(half * half + 0.25 * s->fall[1] * s->fall[1]), x = i - s->eye[0],
@@ -278,7 +273,7 @@ double cw_sight_need(const sight *s, double i, double j, double z, double low) {
 }
 
 double cw_sight_need_known(const sight *s, double i, double j, double z, double rise, double error, sight_parts parts) {
-    const double top = z - s->eye[2] - cw_sight_fall(s, i, j), steepest = rise > top ? rise : top;
+    const double top = z - s->eye[2] - sight_fall(s, i, j), steepest = rise > top ? rise : top;
     if (!(fabs(rise - top) > error)) return NAN;
     if (!(parts.close > 0 || parts.eye)) return steepest - top;
     const way w = way_to(s, i, j, z, 0);

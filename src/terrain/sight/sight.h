@@ -37,7 +37,10 @@ typedef struct sight {
  * the equator: 0 for a flat earth, 1 for one without air, 6/7 with the refraction that surveyors reckon with. */
 void cw_sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature);
 
-double cw_sight_fall(const sight *s, double i, double j);
+static inline double sight_fall(const sight *s, double i, double j) {
+    const double x = i - s->eye[0], y = j - s->eye[1];
+    return s->fall[0] * x * x + s->fall[1] * x * y + s->fall[2] * y * y;
+}
 /* Sample (i, j) as seen from the eye: its height over the eye's, lowered. */
 double cw_sight_sample(const sight *s, size_t i, size_t j);
 
@@ -63,7 +66,7 @@ typedef struct sight_parts {
  * per cell along the way's longer axis, which is the same for both: a and b are one long along it. */
 double cw_sight_around(const sight *s, const double a[2], const double b[2]);
 
-/* These decide exactly: for the samples, eye and heights as they are given, and lowerings as cw_sight_fall rounds them,
+/* These decide exactly: for the samples, eye and heights as they are given, and lowerings as sight_fall rounds them,
  * an answer is that of real numbers. An edge is part of the surface if neither of its samples is a hole, and so is a
  * sample with a height. Coordinates are rounded to multiples of 2^-60. Rounding must be to nearest. */
 

@@ -35,7 +35,7 @@ static const double first_distance = 1 - 0x1p-10;
 /* A small range of directions. */
 typedef struct bin {
     double low;     /* the skyline is nowhere lower */
-    double near;    /* nothing in the last row rises by more, here or next to here */
+    double high[3]; /* nothing in this row and the two before it rises by more, here or next to here */
     uint32_t start; /* the skyline's last piece that begins before it */
 } bin;
 
@@ -48,6 +48,7 @@ typedef struct part {
     double from, until; /* directions */
     double target;
     sweep_visit *visit;
+    sweep_visit_span *visit_span;
     void *context;
 
     skyline line;
@@ -122,9 +123,10 @@ static lowering lowering_of(const part *p, long row) {
 static void heights(const part *p, const float *z, long row, long begin, long end, double *h) {
     const lowering q = lowering_of(p, row);
     const double eye = p->sight->eye[2], aside = p->aside;
-    for (long i = begin; i < end; i++) {
-        const double x = (double)i - aside, height = (double)z[i] - eye - (q.one + x * (q.two + x * q.three));
-        h[i] = height + (height - height);
+    for (int k = 0; k < (int)(end - begin); k++) {
+        const double x = (double)begin + (double)k - aside;
+        const double height = (double)z[begin + k] - eye - (q.one + x * (q.two + x * q.three));
+        h[begin + k] = height + (height - height);
     }
 }
 
@@ -211,11 +213,12 @@ static void add_between(part *p, double r, long begin, long end, uint32_t start)
     if (!(r > first_distance)) return;
     for (long i = begin; i < end; i++) {
         const double x = (double)i - p->aside, left = left_of[i - 1], right = right_of[i];
+        const bool side = x != 0 && (all || is_ridge(p, x > 0 ? left : right, x > 0 ? right : left));
+        const bool diagonal = i + 1 < end && (all || is_ridge(p, p->front[i], p->back[i]));
+        if (!(side || diagonal)) continue;
         if (!all) start = skyline_find(&p->line, start, (x - 3) / r);
-        if (x != 0 && (all || is_ridge(p, x > 0 ? left : right, x > 0 ? right : left)))
-            add(p, start, x, r - 1, n[i], x, r, f[i]);
-        if (i + 1 < end && (all || is_ridge(p, p->front[i], p->back[i])))
-            add(p, start, x + (double)b, r - 1, n[i + b], x + (double)a, r, f[i + a]);
+        if (side) add(p, start, x, r - 1, n[i], x, r, f[i]);
+        if (diagonal) add(p, start, x + (double)b, r - 1, n[i + b], x + (double)a, r, f[i + a]);
     }
 }
 
@@ -242,13 +245,33 @@ static void look_around(part *p) {
     }
 }
 
-/* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45
- * degrees belong to the quarters whose rows are rows. */
-static void visit_row(part *p, long row, long begin, long end, uint32_t start, bool calm) {
+/* Samples of a row about which nothing is open. */
+typedef struct span {
+    long first, count;
+    const float *z;
+    const double *rise, *error;
+} span;
+
+static uint64_t hand_on(const part *p, long row, const span *s) {
+    if (s->count == 0) return 0;
+    const sweep_span all = {.i = (size_t)(p->swapped ? row : s->first),
+                            .j = (size_t)(p->swapped ? s->first : row),
+                            .count = (size_t)s->count,
+                            .down = p->swapped,
+                            .z = s->z,
+                            .rise = s->rise,
+                            .error = s->error};
+    return p->visit_span(p->context, &all);
+}
+
+/* The samples of the row in these directions; nothing in it and the two rows before it, here and next to here, rises by more than
+ * reach. The last part of a quarter has both ends. Directions of exactly 45 degrees belong to the quarters whose rows are rows. */
+static uint32_t visit_row(part *p, long row, long begin, long end, uint32_t start, double reach) {
     const double r = distance(p, row), per_row = 1 / r, error = error_of(p, r);
     const bool rising = p->outward > 0, all = r <= close_rows, every = p->target == INFINITY;
     const bool on_samples = p->aside == floor(p->aside) && p->eye == floor(p->eye);
     const double *left_of = rising ? p->front : p->back, *right_of = rising ? p->back : p->front;
+    span seen = {0};
     for (long i = begin; i < end; i++) {
         const double h = p->far_height[i];
         const double x = (double)i - p->aside, u = x * per_row;
@@ -270,12 +293,22 @@ static void visit_row(part *p, long row, long begin, long end, uint32_t start, b
             way.low = larger((p->ahead - error) * r, way.low);
             p->ahead = larger(h * per_row, p->ahead);
         }
+        const double above = every ? 0 : p->target;
+        if (!all && (h + above) * per_row > high + error && above >= 0 && leans < -p->margin &&
+            !reaches_around(p, u, r, h + above)) {
+            if (seen.first + seen.count != i) {
+                hand_on(p, row, &seen);
+                seen = (span){.first = i};
+            }
+            seen.count++;
+            continue;
+        }
         double least, most, doubt;
         if (every && !all && skyline_at_closely(&p->line, start, u, &least, &most, &doubt)) {
             way.known = true;
             way.rise = most * r;
             way.error = most == -INFINITY ? 0 : (most - least + doubt + 0x1p-48 * p->size) * r;
-            way.unsure.close = calm ? 0 : 2; /* calm: no edge in reach comes up to the skyline */
+            way.unsure.close = reach < least - error ? 0 : 2;
             way.unsure.eye = reaches_around(p, u, r, larger(least * r, h) - error * r);
         }
         if (!(all || every) && top > high + error && p->target >= 0) {
@@ -284,6 +317,40 @@ static void visit_row(part *p, long row, long begin, long end, uint32_t start, b
         }
         const size_t at[2] = {p->swapped ? (size_t)row : (size_t)i, p->swapped ? (size_t)i : (size_t)row};
         p->visit(p->context, at[0], at[1], &way);
+    }
+    hand_on(p, row, &seen);
+    return start;
+}
+
+/* The same if no edge in reach comes up to the skyline, off the range's ends: most samples have one piece of it before them, and
+ * nothing else counts. */
+static void visit_calm(part *p, long row, const float *far, long begin, long end, uint32_t start) {
+    const double r = distance(p, row), per_row = 1 / r, error = error_of(p, r), wrong = 0x1p-48 * p->size;
+    double rise[SWEEP_SPAN_MOST], wide[SWEEP_SPAN_MOST];
+    bool ready = false;
+    for (long i = begin, stop; i < end; i = stop) {
+        start = skyline_find(&p->line, start, ((double)i - p->aside) * per_row - SKYLINE_BLUR);
+        const skyline_piece *piece = p->line.pieces + start;
+        const double next = p->line.pieces[piece->next].from, a = piece->a, b = piece->b, above = (double)piece->above;
+        stop = end - i < SWEEP_SPAN_MOST ? end : i + SWEEP_SPAN_MOST;
+        while (stop > i && next < ((double)(stop - 1) - p->aside) * per_row + SKYLINE_BLUR) stop--;
+        const int count = (int)(stop - i);
+        for (int k = 0; k < count; k++) {
+            const double u = ((double)i + (double)k - p->aside) * per_row, w = a + b * u;
+            rise[k] = w * r;
+            wide[k] = (above + skyline_rounding(w, b) + wrong) * r;
+        }
+        const double least = count == 0 ? -INFINITY : rise[0] < rise[count - 1] ? rise[0] : rise[count - 1];
+        uint64_t left = UINT64_MAX; /* to be visited one by one */
+        if (piece->below == 0 && least > -INFINITY && p->around_most * r < least - error * r)
+            left = hand_on(p, row, &(span){i, count, far + i, rise, wide});
+        else
+            stop = count > 0 ? stop : i + 1;
+        if (left == 0) continue;
+        if (!ready) heights(p, far, row, begin, end, p->far_height);
+        ready = true;
+        for (long k = i; k < stop; k++)
+            if (left >> (k - i) & 1) visit_row(p, row, k, k + 1, start, -INFINITY);
     }
 }
 
@@ -312,6 +379,11 @@ static bool refine(part *p) {
     return true;
 }
 
+/* The sample at or behind a bin's left border. */
+static long bin_begin(const part *p, double r, size_t b) {
+    return clipped(p, ceil(p->aside + r * (p->from + (double)b * p->width)));
+}
+
 /* Goes on to the row in the bins from begin up to end: samples of it from left up to right. */
 static void look_at(part *p, long row, const float *far, size_t begin, size_t end, long left, long right) {
     const double r = distance(p, row);
@@ -325,7 +397,13 @@ static void look_at(part *p, long row, const float *far, size_t begin, size_t en
         lean(p, r, from, until);
         add_row(p, r, from, until, start);
     }
-    visit_row(p, row, left, right, start, false);
+    uint32_t at = start;
+    for (size_t b = begin; b < end; b++) {
+        const long next = b + 1 < end ? bin_begin(p, r, b + 1) : right;
+        const double *high = p->of[b].high;
+        at = visit_row(p, row, left, next, at, larger(high[0], larger(high[1], high[2])));
+        left = next;
+    }
     if (p->near) add_between(p, r, from, until, start);
     look_again(p, begin, end, ((double)until - p->aside) / fmax(r - 1, first_distance));
 }
@@ -342,11 +420,6 @@ static double highest(const part *p, const float *z, const lowering *q, long lef
     const double fall_a = q->one + a * (q->two + a * q->three), fall_b = q->one + b * (q->two + b * q->three);
     const double fall = fmin(fall_a, fall_b) - 0.25 * fmax(q->three, 0) * (b - a) * (b - a), eye = p->sight->eye[2];
     return (double)high - eye - fall + 0x1p-46 * (fabs((double)high) + fabs(eye) + fabs(fall));
-}
-
-/* The sample at or behind a bin's left border. */
-static long bin_begin(const part *p, double r, size_t b) {
-    return clipped(p, ceil(p->aside + r * (p->from + (double)b * p->width)));
 }
 
 static size_t bin_at(const part *p, double u) {
@@ -373,12 +446,18 @@ static void go_on(part *p, long row, const float *far) {
     for (size_t b = from; b < until && b < p->bins; b++) {
         const long right = b + 1 < p->bins ? bin_begin(p, r, b + 1) : last;
         bin *here = &p->of[b];
-        const double top = highest(p, far, &q, left, right) * per_row, near = here->near;
-        here->near = top;
+        const double top = highest(p, far, &q, left, right) * per_row, near = here->high[0];
+        here->high[2] = here->high[1];
+        here->high[1] = near;
+        here->high[0] = top;
         const bool now = !(fmax(near, top + target * per_row) < here->low - error) || r <= close_rows + 1;
         if (!now && every && left < right) {
-            heights(p, far, row, left, right, p->far_height);
-            visit_row(p, row, left, right, b > 0 ? p->of[b - 1].start : SKYLINE_FIRST, true);
+            if (b > 0 && b + 1 < p->bins) {
+                visit_calm(p, row, far, left, right, p->of[b - 1].start);
+            } else {
+                heights(p, far, row, left, right, p->far_height);
+                visit_row(p, row, left, right, b > 0 ? p->of[b - 1].start : SKYLINE_FIRST, -INFINITY);
+            }
         }
         if (now && !active) begin = b, run = left;
         if (!now && active) look_at(p, row, far, begin, b, run, left);
@@ -415,8 +494,8 @@ void cw_sweep_directions(unsigned number, double directions[2][2]) {
     }
 }
 
-bool cw_sweep_part(const sight *s, unsigned number, double most, double target, sweep_visit *visit, sweep_tick *tick,
-                   void *context) {
+bool cw_sweep_part(const sight *s, unsigned number, double most, double target, sweep_visit *visit,
+                   sweep_visit_span *visit_span, sweep_tick *tick, void *context) {
     const terrain *t = s->terrain;
     const unsigned quarter = number / SLICES, slice = number % SLICES;
     part p = {.sight = s, .swapped = quarter >= 2, .outward = quarter % 2 ? -1 : 1};
@@ -428,6 +507,7 @@ bool cw_sweep_part(const sight *s, unsigned number, double most, double target, 
     p.until = 2.0 * (slice + 1) / SLICES - 1;
     p.target = target;
     p.visit = visit;
+    p.visit_span = visit_span;
     p.context = context;
     p.bins = 1;
     p.width = p.until - p.from;
@@ -442,7 +522,7 @@ bool cw_sweep_part(const sight *s, unsigned number, double most, double target, 
     if (good) {
         double **const line[5] = {&p.near_height, &p.far_height, &p.front, &p.back, &p.back_before};
         for (size_t k = 0; k < 5; k++) *line[k] = lines + k * length + PAD;
-        *p.of = (bin){-INFINITY, -INFINITY, SKYLINE_FIRST};
+        *p.of = (bin){-INFINITY, {-INFINITY, -INFINITY, -INFINITY}, SKYLINE_FIRST};
         look_around(&p);
         good = sweep(&p, most, tick);
     }

@@ -21,6 +21,20 @@ typedef struct sweep_way {
  * several threads. */
 typedef void sweep_visit(void *context, size_t i, size_t j, const sweep_way *way);
 
+/* Samples beside one another about which the sweep leaves nothing open: sample k is (i + k, j), or (i, j + k) if they go down a
+ * column, and its height is z[k]. Without rise targets are seen; else the steepest rise on the way is rise[k], off by less than
+ * error[k]. */
+typedef struct sweep_span {
+    size_t i, j, count;
+    bool down;
+    const float *z;
+    const double *rise, *error;
+} sweep_span;
+enum { SWEEP_SPAN_MOST = 64 };
+
+/* Called in place of sweep_visit. The bits of samples that are to be visited after all. */
+typedef uint64_t sweep_visit_span(void *context, const sweep_span *span);
+
 /* Called now and then, from the thread that does the part. False ends it. */
 typedef bool sweep_tick(void *context);
 
@@ -32,7 +46,7 @@ void cw_sweep_directions(unsigned part, double directions[2][2]);
 
 /* Samples farther away than most cells, on the longer axis, are left out. target may be infinite: then all are
  * visited. False if memory is short. */
-bool cw_sweep_part(const sight *s, unsigned part, double most, double target, sweep_visit *visit, sweep_tick *tick,
-                   void *context);
+bool cw_sweep_part(const sight *s, unsigned part, double most, double target, sweep_visit *visit,
+                   sweep_visit_span *visit_span, sweep_tick *tick, void *context);
 
 #endif

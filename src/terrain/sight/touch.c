@@ -71,7 +71,7 @@ static void take_sample(const crossing *c, double m, const vector *to_target, sa
     if (!out->exists) return;
     out->at = vector_to(s, i, j);
     out->height = difference((double)*z, s->eye[2]);
-    const double fall = cw_sight_fall(s, i, j);
+    const double fall = sight_fall(s, i, j);
     if (fall != 0) out->height.part[out->height.count++] = -fall;
     out->side = cross(to_target, &out->at);
 }

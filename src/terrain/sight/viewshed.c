@@ -94,6 +94,24 @@ static void see_sample(void *context, size_t i, size_t j, const sweep_way *way) 
     if (k != SIZE_MAX && is_seen(q->v, i, j, way)) put_seen(q, i, j, k);
 }
 
+/* The number of the output of a span's sample k, or SIZE_MAX if that does not count. */
+static inline size_t place_in(const job *q, const sweep_span *s, size_t k) {
+    const viewshed *v = q->v;
+    const size_t i = s->down ? s->i : s->i + k, j = s->down ? s->j + k : s->j;
+    if (v->limits.any && !cw_view_limits_have(&v->limits, (double)i, (double)j, q->heights ? 0 : rise_of(v, i, j)))
+        return SIZE_MAX;
+    return place_of(q, i, j);
+}
+
+static uint64_t see_span(void *context, const sweep_span *s) {
+    const job *q = context;
+    for (size_t k = 0; k < s->count; k++) {
+        const size_t at = place_in(q, s, k);
+        if (at != SIZE_MAX) put_seen(q, s->down ? s->i : s->i + k, s->down ? s->j + k : s->j, at);
+    }
+    return 0;
+}
+
 /* Whether a number that may be off by the error becomes the same float as the exact one, or one within most_apart of it. Small
  * numbers have floats that are closer together than the error. */
 static bool is_sure(double x, double error) {
@@ -116,6 +134,31 @@ static void measure_sample(void *context, size_t i, size_t j, const sweep_way *w
     q->to.needed[k] = (float)(need * metres);
 }
 
+static uint64_t measure_span(void *context, const sweep_span *s) {
+    const job *q = context;
+    const sight *from = &q->v->sight;
+    const double metres = q->v->terrain->map[2][2], across = s->down ? 0 : 1, i = (double)s->i, j = (double)s->j;
+    float needs[SWEEP_SPAN_MOST];
+    bool open[SWEEP_SPAN_MOST];
+    uint64_t left = 0;
+    for (int k = 0; s->rise && k < (int)s->count; k++) {
+        const double fall = sight_fall(from, i + across * k, j + (1 - across) * k);
+        const double top = (double)s->z[k] - from->eye[2] - fall, rise = s->rise[k];
+        const double need = ((rise > top ? rise : top) - top) * metres;
+        open[k] = !(fabs(rise - top) > s->error[k]) | !is_sure(need, s->error[k] * metres);
+        needs[k] = (float)need;
+    }
+    for (size_t k = 0; k < s->count; k++) {
+        const size_t at = place_in(q, s, k);
+        if (at == SIZE_MAX) continue;
+        if (s->rise && open[k])
+            left |= (uint64_t)1 << k;
+        else
+            q->to.needed[at] = s->rise ? needs[k] : 0;
+    }
+    return left;
+}
+
 static bool tell(void *context) {
     job *q = context;
     if (q->run->watch && !atomic_flag_test_and_set(&q->telling)) {
@@ -134,7 +177,7 @@ static void sweep_parts(void *context, size_t begin, size_t end) {
         cw_sweep_directions((unsigned)k, directions);
         if (cw_view_limits_meet(&v->limits, directions[0], directions[1]) &&
             !cw_sweep_part(&v->sight, (unsigned)k, v->most, q->heights ? INFINITY : v->target,
-                           q->heights ? measure_sample : see_sample, tell, q))
+                           q->heights ? measure_sample : see_sample, q->heights ? measure_span : see_span, tell, q))
             atomic_store(&q->failed, true);
         atomic_fetch_add(&q->parts, 1);
     }

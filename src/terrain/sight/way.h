@@ -55,7 +55,7 @@ static inline way way_to(const sight *s, double i, double j, double z, double ab
     const double x = fabs(w.step[0]), y = fabs(w.step[1]);
     w.longer = y > x;
     w.length = w.longer ? y : x;
-    w.fall = cw_sight_fall(s, i, j);
+    w.fall = sight_fall(s, i, j);
     w.top = z + above - s->eye[2] - w.fall;
     double eye_low;
     const double eye_diagonal = exact_two_sum(s->eye[0], -s->eye[1], &eye_low);
@@ -151,7 +151,7 @@ static inline bool look_between(const way *w, double a, double b, way_look *look
 }
 
 /* ---- touches: whether the surface blocks a line at a crossing, decided exactly for the numbers that are given: the samples, the
- * eye, the target, and lowerings as cw_sight_fall rounds them ---- */
+ * eye, the target, and lowerings as sight_fall rounds them ---- */
 
 /* How far the surface is above the line where the two cross, in exact arithmetic. */
 typedef struct touch {

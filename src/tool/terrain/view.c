@@ -58,7 +58,7 @@ static void put(double map[3][4], double i, double j, double z, double out[3]) {
 static bool put_place(const view *v, double map[3][4], const ground_place *p, double out[3], io_error *error) {
     double at[3];
     if (!ground_find_place(&v->ground.terrain, p, at, NULL, error)) return false;
-    put(map, at[0], at[1], at[2] - cw_sight_fall(&v->earth, at[0], at[1]), out);
+    put(map, at[0], at[1], at[2] - sight_fall(&v->earth, at[0], at[1]), out);
     return true;
 }
 
@@ -91,8 +91,7 @@ static bool aim(const view *v, landscape_desc *d, io_error *error) {
         if (!put_place(v, d->to_world, &v->target, d->target, error)) return false;
     } else {
         const double i = 0.5 * (double)(info.nx - 1), j = 0.5 * (double)(info.ny - 1);
-        put(d->to_world, i, j, 0.5 * ((double)info.low + (double)info.high) - cw_sight_fall(&v->earth, i, j),
-            d->target);
+        put(d->to_world, i, j, 0.5 * ((double)info.low + (double)info.high) - sight_fall(&v->earth, i, j), d->target);
     }
     if (v->from) {
         if (!put_place(v, d->to_world, &v->eye, d->eye, error)) return false;
@@ -227,7 +226,7 @@ static bool lower(const io_raster *raster, const sight *s, const char *path, io_
     for (size_t j = 0; j < raster->ny; j++)
         for (size_t i = 0; i < raster->nx; i++)
             z[j * raster->nx + i] =
-                (float)((double)raster->z[j * raster->nx + i] - cw_sight_fall(s, (double)i, (double)j));
+                (float)((double)raster->z[j * raster->nx + i] - sight_fall(s, (double)i, (double)j));
     memcpy(lowered->map, raster->map, sizeof lowered->map);
     return true;
 }

@@ -197,18 +197,16 @@ static size_t most_seen(const viewshed_command *c) { return c->bands ? 1 : c->ob
 /* Cells of a row, whose samples are z, from those of the terrain number first on. */
 static void fill_row(const viewshed_command *c, size_t first, const float *z, size_t n, void *cells) {
     float *numbers = cells;
-    for (size_t k = 0; k < n; k++) {
-        const size_t at = first + k;
-        const bool hole = !isfinite(z[k]);
-        if (c->numbers)
-            numbers[k] = c->numbers[at];
-        else if (c->sums)
-            numbers[k] = hole ? NAN : (float)c->sums[at];
-        else if (most_seen(c) <= COUNT_SMALL)
-            ((uint8_t *)cells)[k] = hole ? 255 : (uint8_t)c->seen[at];
-        else
-            ((uint16_t *)cells)[k] = hole ? 65535 : c->seen[at];
-    }
+    uint8_t *bytes = cells;
+    uint16_t *words = cells;
+    if (c->numbers)
+        memcpy(cells, c->numbers + first, n * sizeof *numbers);
+    else if (c->sums)
+        for (size_t k = 0; k < n; k++) numbers[k] = isfinite(z[k]) ? (float)c->sums[first + k] : NAN;
+    else if (most_seen(c) <= COUNT_SMALL)
+        for (size_t k = 0; k < n; k++) bytes[k] = isfinite(z[k]) ? (uint8_t)c->seen[first + k] : 255;
+    else
+        for (size_t k = 0; k < n; k++) words[k] = isfinite(z[k]) ? c->seen[first + k] : 65535;
 }
 
 /* The view of a band's observer is found when the band is begun. */
