@@ -19,6 +19,7 @@ import tomllib
 HERE = pathlib.Path(__file__).parent
 SOURCE = HERE.parent.parent
 CPU_SECONDS = 300  # of a test: ten times what the longest takes
+PROGRAMS = {"io": ["cellwalk_files", "cellwalk_tool", "cellwalk_gdal"], "scene": ["cellwalk_files", "cellwalk_scenes"], "terrain": ["cellwalk_lands"]}
 SETTINGS = ["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_C_FLAGS_RELEASE=-O1 -DNDEBUG", "-DCELLWALK_PYTHON=OFF"]
 
 
@@ -31,6 +32,12 @@ def read_faults():
         if count != 1 or f["search"] == f["replace"]:
             sys.exit(f"{f['file']}: '{f['search']}' stands there {count} times; a fault needs a text that stands there once")
     return faults
+
+
+def programs_of(test):
+    """What a test in Python starts; nothing for one in C."""
+    folder, _, name = test.partition("_")
+    return PROGRAMS[folder] if (HERE.parent / folder / f"test_{name}.py").exists() else []
 
 
 def run(command, **options):
@@ -56,16 +63,19 @@ class Build:
             sys.exit(done.stdout)
 
     def make(self, tests):
-        done = run(["cmake", "--build", self.folder, f"-j{self.jobs}", "--target", *(f"test_{t}" for t in tests)])
+        """Programs of tests in C, or what those in Python start."""
+        targets = {target for t in tests for target in programs_of(t) or [f"test_{t}"]}
+        done = run(["cmake", "--build", self.folder, f"-j{self.jobs}", "--target", *targets])
         return None if done.returncode == 0 else done.stdout[-2000:]
 
     def fails(self, test, divide):
         """Whether the test notices something."""
         def limit():
             resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS))
-        folder = self.folder / "tests"
-        environment = dict(os.environ, CELLWALK_TEST_DIVIDE=str(divide), CELLWALK_MODULES=str(self.folder / "src/tool"))
-        return run([folder / f"test_{test}"], cwd=folder, env=environment, preexec_fn=limit).returncode != 0
+        folder, command = self.folder / "tests", [self.folder / f"tests/test_{test}"]
+        if programs_of(test):
+            command = ["ctest", "-R", f"^{test}$", "--no-tests=error"]
+        return run(command, cwd=folder, env=dict(os.environ, CELLWALK_TEST_DIVIDE=str(divide)), preexec_fn=limit).returncode != 0
 
     def plant(self, fault, divide):
         """The test that catches it, or None."""

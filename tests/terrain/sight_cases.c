@@ -1,6 +1,64 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sight_cases.h"
 
+/* ---- terrains -------------------------------------------------------------------------------------------------------- */
+
+static const double ground_map[3][4] = {{GROUND_CELL, 0, 0, 0}, {0, -GROUND_CELL, 0, 0}, {0, 0, 1, 0}};
+
+/* As usual; neither square nor in metres; turned; mirrored. */
+enum { GROUND_MAPS = 4 };
+static const double ground_maps[GROUND_MAPS][3][4] = {
+    {{10, 0, 0, 500}, {0, -10, 0, 900}, {0, 0, 1, 0}},
+    {{10, 0, 0, 0}, {0, -25, 0, 0}, {0, 0, 0.3048, 0}},
+    {{8, 6, 0, 100}, {6, -8, 0, 100}, {0, 0, 1, 0}},
+    {{-5, 0, 0, 0}, {1, 5, 0, 0}, {0, 0, 1, 0}},
+};
+
+static void ground_take(ground *g, size_t nx, size_t ny, float *z, const double map[3][4]) {
+    const cw_field_desc desc = {.samples = z, .nx = nx, .ny = ny};
+    g->z = z;
+    check_status(cw_field_create(&desc, NULL, &g->field), CW_OK);
+    assert_true(
+        cw_terrain_init(&g->terrain, &(terrain_desc){.field = g->field, .nx = nx, .ny = ny, .z = z, .map = map}));
+    check_status(cw_sight_bounds_create(&g->terrain, &g->bounds), CW_OK);
+}
+
+static float *heights_for(size_t nx, size_t ny) {
+    float *z = malloc(nx * ny * sizeof *z);
+    assert_non_null(z);
+    return z;
+}
+
+void ground_make(ground *g, size_t nx, size_t ny, ground_height *height, const double *shape) {
+    float *z = heights_for(nx, ny);
+    for (size_t k = 0; k < nx * ny; k++)
+        z[k] = (float)height(shape, GROUND_CELL * (double)(k % nx), -GROUND_CELL * (double)(k / nx));
+    ground_take(g, nx, ny, z, ground_map);
+}
+
+void ground_free(ground *g) {
+    cw_sight_bounds_destroy(g->bounds);
+    cw_field_destroy(g->field);
+    free(g->z);
+}
+
+/* WRONG: numbers for no data that are taken for heights. */
+typedef enum roughness { SMOOTH, ROUGH, HOLES, SPIKES, WHOLE, WRONG, ROUGHNESSES } roughness;
+
+static void ground_rough(ground *g, size_t nx, size_t ny, roughness rough, random_state *r, const double map[3][4]) {
+    float *z = heights_for(nx, ny);
+    const double a = random_between(r, 3, 9), b = random_between(r, 3, 9);
+    for (size_t k = 0; k < nx * ny; k++) {
+        const double x = (double)(k % nx), y = (double)(k / nx), wave = 20 * sin(x / a) * cos(y / b);
+        z[k] = (float)(rough == SPIKES ? (random_below(r, 40) == 0 ? random_between(r, 0, 90) : 0)
+                                       : wave + random_between(r, 0, rough == SMOOTH ? 1 : 15));
+        if (rough == HOLES && random_below(r, 12) == 0) z[k] = NAN;
+        if (rough == WHOLE) z[k] = rintf(0.2F * z[k]);
+        if (rough == WRONG && random_below(r, 50) == 0) z[k] = random_below(r, 2) ? -32768 : -9999;
+    }
+    ground_take(g, nx, ny, z, map);
+}
+
 /* ---- land and observers ---------------------------------------------------------------------------------------------- */
 
 static void place_anywhere(viewshed_desc *d, random_state *r, double x0, double x1, double y0, double y1, bool whole) {
@@ -13,7 +71,7 @@ static void place_anywhere(viewshed_desc *d, random_state *r, double x0, double 
 static void small_land(size_t n, ground *g, viewshed_desc *d, random_state *r) {
     static const size_t sizes[][2] = {{2, 2}, {3, 17}, {23, 9}, {41, 38}};
     const size_t place = n % 6, size = n / 6, nx = sizes[size % 4][0], ny = sizes[size % 4][1];
-    ground_rough(g, nx, ny, (roughness)(size / 4 % ROUGHNESSES), r, ground_maps[(size + size / 4) % 4]);
+    ground_rough(g, nx, ny, (roughness)(size / 4 % ROUGHNESSES), r, ground_maps[(size + size / 4) % GROUND_MAPS]);
     *d = (viewshed_desc){.height = random_between(r, 0.5, 30),
                          .target_height = place % 2 ? random_between(r, 0, 10) : 0,
                          .limits.farthest = place == 4 ? random_between(r, 20, 200) : 0,
@@ -83,8 +141,7 @@ static void behind_a_lone_sample(size_t n, ground *g, viewshed_desc *d, random_s
 enum { SIDE = 24 };
 
 void slope_of_whole_numbers(ground *g, size_t nx, size_t ny, random_state *r, double to[3]) {
-    float *z = malloc(nx * ny * sizeof *z);
-    assert_non_null(z);
+    float *z = heights_for(nx, ny);
     to[2] = (double)random_below(r, 5);
     for (int c = 0; c < 2; c++) to[c] = (double)random_below(r, 5) - 2;
     for (size_t k = 0; k < nx * ny; k++) {
@@ -139,8 +196,7 @@ static void shore(size_t n, ground *g, viewshed_desc *d, random_state *r) {
     const size_t kind = random_below(r, 3), nx = sizes[kind][0], ny = sizes[kind][1];
     const bool after = random_below(r, 2) == 0, on_holes = random_below(r, 3) > 0;
     const double last = THIN - 1, line = kind == 2 ? (double)random_below(r, 5) - 2 : on_holes ? 1 : after ? 0 : last;
-    float *z = malloc(nx * ny * sizeof *z);
-    assert_non_null(z);
+    float *z = heights_for(nx, ny);
     for (size_t k = 0; k < nx * ny; k++) {
         const double i = (double)(k % nx), j = (double)(k / nx);
         const double side = (kind == 0 ? j : kind == 1 ? i : j - i) - line, height = random_between(r, 0, 10);
@@ -169,8 +225,7 @@ static void wide_land(size_t n, ground *g, viewshed_desc *d, random_state *r) {
 
 /* Steps and lakes: many edges on one line, whose pieces of the skyline become one. */
 static void steps(size_t n, ground *g, viewshed_desc *d, random_state *r) {
-    float *z = malloc((size_t)NX * NY * sizeof *z);
-    assert_non_null(z);
+    float *z = heights_for(NX, NY);
     double waves[12][3];
     for (int k = 0; k < 12; k++) {
         const double size = random_between(r, 0.02, k < 4 ? 0.06 : 0.4), angle = random_between(r, 0, 6.3);

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "sight_judge.h"
-
 #include "crossings.h"
+#include "sight_cases.h"
 
 #include <gmp.h>
-#include <math.h>
 
 /* One line of sight, as rational numbers from the eye. */
 typedef struct judge {

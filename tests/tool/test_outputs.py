@@ -97,7 +97,7 @@ def test_a_sidecar_that_is_the_terrain_itself():
 
 
 def test_two_results_do_not_take_one_name():
-    """Names are compared by ../io/io_replace.c; here are the outputs and inputs of each command, new ones and in place of old ones."""
+    """Names are compared by ../io/test_outputs.py; here are the outputs and inputs of each command, new ones and in place of old ones."""
     write("places.csv", "x,y\n20,20\n")
     os.link("places.csv", "view.pgw")
     seen, at = ("viewshed", "field.npy", *MAP, "--observers", "places.csv"), ("horizon", "field.npy", *MAP, "--places", "places.csv")
