@@ -22,17 +22,13 @@ bool run_options_check(run_options *run, const char *name) {
 }
 
 bool run_options_pin(const run_options *run, int *cpu, io_error *error) {
-    static cpu_set_t before; /* the first pin */
-    static bool known;
     cpu_set_t set;
-    if (!known) known = sched_getaffinity(0, sizeof before, &before) == 0;
-    if (run->no_pin && known) (void)sched_setaffinity(0, sizeof before, &before);
-    *cpu = run->cpu == UINT_MAX ? sched_getcpu() : (int)run->cpu;
+    *cpu = run->no_pin ? -1 : sched_getcpu();
+    if (*cpu < 0) return true;
     CPU_ZERO(&set);
-    if (*cpu >= 0 && *cpu < CPU_SETSIZE) CPU_SET((size_t)*cpu, &set);
-    if (run->no_pin) *cpu = -1;
-    return run->no_pin || sched_setaffinity(0, sizeof set, &set) == 0 ||
-           io_fail(error, "--cpu %d: the system does not allow this process there", *cpu);
+    CPU_SET((size_t)*cpu, &set);
+    return sched_setaffinity(0, sizeof set, &set) == 0 ||
+           io_fail(error, "CPU %d: the system does not keep this process there", *cpu);
 }
 
 /* ---- record ---- */
@@ -79,8 +75,6 @@ json_t *run_record(const char *name, uint32_t seed, int cpu) {
     results_set_texts(record, "isa compiler build_type flags commit embree",
                       (const char *[]){cw_isa_name(cw_isa_best()), BUILD_INFO_COMPILER, BUILD_INFO_TYPE,
                                        BUILD_INFO_FLAGS, BUILD_INFO_COMMIT, peer_embree.version});
-    if (peer_embree.version)
-        json_object_set_new(record, "embree_assertions", json_boolean(peer_embree.has_assertions()));
     results_set_counts(record, "seed", &(size_t){seed});
     json_object_set_new(record, "pinned_to_cpu", json_integer(cpu));
     results_set_numbers(record, "load", &load);
@@ -90,9 +84,8 @@ json_t *run_record(const char *name, uint32_t seed, int cpu) {
 
 void run_record_text(const json_t *record, char *text, size_t size) {
     const char *embree = results_text(record, "embree");
-    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s%s, one thread, seed %.0f, load %.2f, %s",
+    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s, one thread, seed %.0f, load %.2f, %s",
              results_text(record, "cpu"), results_text(record, "isa"), results_text(record, "compiler"),
              results_text(record, "build_type"), results_text(record, "commit"), *embree ? embree : "none",
-             json_is_true(json_object_get(record, "embree_assertions")) ? " (compiled with assertions)" : "",
              results_number(record, "seed"), results_number(record, "load"), results_text(record, "date"));
 }

@@ -10,7 +10,6 @@
 #include "options.h"
 
 #include <jansson.h>
-#include <limits.h>
 #include <stdint.h>
 
 /* cmd_measure.c */
@@ -20,20 +19,17 @@ extern const command command_table, command_measure;
 
 typedef struct run_options {
     unsigned seed;
-    int isa;      /* a cw_isa after run_options_check; before it the number of a name, or below 0 for the best */
-    unsigned cpu; /* UINT_MAX: the one that the program is on */
+    int isa; /* a cw_isa after run_options_check; before it the number of a name, or below 0 for the best */
     bool no_pin;
 } run_options;
 
 /* The defaults, and the rows of a subcommand's table that change them. */
 /* clang-format off */
-#define RUN_DEFAULTS {.seed = 1, .isa = -1, .cpu = UINT_MAX}
+#define RUN_DEFAULTS {.seed = 1, .isa = -1}
 #define RUN_OPTIONS(run) \
     {"isa", "NAME", "the highest instruction set that kernels and Embree use; by default the best here", OPTION_NAME, \
      .to = &(run).isa, .names = option_isa_names}, \
     {"seed", "N", "seed of the rays and of the order of contenders (1)", OPTION_COUNT, .to = &(run).seed, .high = UINT_MAX}, \
-    {"cpu", "N", "run on CPU N only; by default on the one that the program starts on", OPTION_COUNT, \
-     .to = &(run).cpu, .high = 1023}, \
     {"no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, .to = &(run).no_pin}
 /* clang-format on */
 
@@ -41,7 +37,7 @@ typedef struct run_options {
  * it. */
 bool run_options_check(run_options *run, const char *name);
 
-/* Keeps the program on its CPU: that CPU, or -1 if it is to be free, also again. False if the system does not allow it. */
+/* Keeps the program on its CPU: that CPU, or -1 if it is to be free. False if the system does not allow it. */
 bool run_options_pin(const run_options *run, int *cpu, io_error *error);
 
 /* ---- record ---- */

@@ -2,7 +2,6 @@
 #include "harness/results.h"
 
 #include "harness/harness_memory.h"
-#include "harness/interleave.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -15,19 +14,6 @@ bool results_write(io_output *out, json_t *line, io_error *error) {
     free(text);
     json_decref(line);
     return good;
-}
-
-void results_append(json_t *lines, json_t *line) {
-    if (json_array_append_new(lines, line) != 0) memory_end();
-}
-
-bool results_write_all(io_output *out, const json_t *lines, io_error *error) {
-    size_t index;
-    json_t *line;
-    json_array_foreach((json_t *)lines, index, line) {
-        if (!results_write(out, json_incref(line), error)) return false;
-    }
-    return true;
 }
 
 /* The next of the names in keys; false if there is none. */
@@ -53,13 +39,6 @@ void results_set_counts(json_t *object, const char *keys, const size_t *values) 
     while (next_key(&keys, key)) json_object_set_new(object, key, json_integer((json_int_t)*values++));
 }
 
-void results_set_seconds(json_t *object, const statistics *s) {
-    results_set_counts(object, "samples", &s->n);
-    results_set_numbers(object, "seconds_min seconds_median seconds_low seconds_high",
-                        (double[]){s->min, s->median, s->low, s->high});
-    json_object_set_new(object, "interval_sure", json_boolean(s->sure));
-}
-
 json_t *results_agreement(const agreement *a) {
     json_t *object = json_object(), *why = json_object();
     for (int r = 0; r < AGREE_REASON_COUNT; r++)
@@ -78,17 +57,3 @@ const char *results_text(const json_t *object, const char *key) {
 }
 
 double results_number(const json_t *object, const char *key) { return json_number_value(json_object_get(object, key)); }
-
-bool results_is(const json_t *line, const char *kind) { return strcmp(results_text(line, "kind"), kind) == 0; }
-
-size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most) {
-    size_t count = 0, index;
-    const json_t *line;
-    json_array_foreach(lines, index, line) {
-        const char *text = results_text(line, key);
-        size_t k = 0;
-        while (k < count && strcmp(texts[k], text) != 0) k++;
-        if (results_is(line, "result") && *text != '\0' && k == count && count < most) texts[count++] = text;
-    }
-    return count;
-}

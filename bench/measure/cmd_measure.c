@@ -59,9 +59,12 @@ static void set_time(workload *w, entrant *e, const entrant *first) {
     const statistics *s = &e->job.seconds;
     const statistics to = interleave_ratio(&e->job, &first->job);
     results_set_numbers(e->line, "items", &w->items);
-    results_set_seconds(e->line, s);
-    results_set_numbers(e->line, "per_second time_to_first time_to_first_low time_to_first_high",
-                        (double[]){w->items / s->median, to.median, to.low, to.high});
+    results_set_counts(e->line, "samples", &s->n);
+    results_set_numbers(
+        e->line,
+        "seconds_min seconds_median seconds_low seconds_high per_second time_to_first time_to_first_low "
+        "time_to_first_high",
+        (double[]){s->min, s->median, s->low, s->high, w->items / s->median, to.median, to.low, to.high});
     json_object_set_new(e->line, "converged", json_boolean(e->job.converged));
     json_object_set_new(e->line, "by_clock", json_boolean(e->job.by_clock));
 }
@@ -107,7 +110,7 @@ static bool run_line(const plan_line *line, const measure_options *o, double sha
     if (good) print_workload(&w);
     for (size_t k = 0; good && k < w.count; k++) {
         results_set_counts(w.entrants[k].line, "line", &line->number);
-        results_append(results, json_incref(w.entrants[k].line));
+        json_array_append(results, w.entrants[k].line);
     }
     if (w.kind)
         leave_all(&w);
@@ -128,7 +131,9 @@ static bool save(const char *path, const json_t *results, io_error *error) {
     io_output out = {0};
     if (path == NULL) return true;
     bool good = io_output_open(&out, path, error);
-    if (good && results) good = results_write_all(&out, results, error) && io_output_commit(&out, error);
+    for (size_t k = 0; good && k < json_array_size(results); k++)
+        good = results_write(&out, json_incref(json_array_get(results, k)), error);
+    good = good && (results == NULL || io_output_commit(&out, error));
     io_output_discard(&out);
     return good;
 }
@@ -140,15 +145,6 @@ static size_t count_wide(const json_t *results) {
     return wide;
 }
 
-/* Threads need more than one CPU. */
-static bool pin_for(const plan_line *line, const run_options *run, io_error *error) {
-    run_options own = *run;
-    int cpu;
-    for (size_t c = 0; c < line->count; c++)
-        own.no_pin = own.no_pin || strstr(line->contenders[c], ":threads=") != NULL;
-    return run_options_pin(&own, &cpu, error);
-}
-
 static bool run_plan(const char *name, measure_options *o, json_t *results, io_error *error) {
     plan p;
     int cpu;
@@ -156,13 +152,17 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
     char text[512];
     const cw_isa most = (cw_isa)o->run.isa;
     if (!measure_plan_read(&p, name, o->field, error)) return false;
-    for (size_t k = 0; k < p.count; k++) timed += (p.lines[k].metrics & METRIC_TIME) != 0;
+    for (size_t k = 0; k < p.count; k++) {
+        timed += (p.lines[k].metrics & METRIC_TIME) != 0;
+        for (size_t c = 0; c < p.lines[k].count; c++) /* threads need more than one CPU */
+            o->run.no_pin = o->run.no_pin || strstr(p.lines[k].contenders[c], ":threads=") != NULL;
+    }
     bool good = run_options_pin(&o->run, &cpu, error);
     json_t *record = run_record("measure", o->run.seed, cpu);
     json_object_set_new(record, "plan", json_string(name));
     run_record_text(record, text, sizeof text);
     printf("%s\n", text);
-    results_append(results, record);
+    json_array_append_new(results, record);
     good = good && save(o->out, NULL, error);
     if (o->seconds <= 0) o->seconds = 10 * (double)timed;
     /* Making fields and building Embree do not count. What a line leaves, because it has converged, the later ones get. */
@@ -176,8 +176,7 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
                    cw_isa_name(isa), cw_isa_name(most));
         } else {
             cw_isa_limit(isa);
-            good = pin_for(line, &o->run, error) &&
-                   run_line(line, o, 1 / (double)(timed ? timed : 1), &left, results, error) &&
+            good = run_line(line, o, 1 / (double)(timed ? timed : 1), &left, results, error) &&
                    save(o->out, results, error);
         }
         timed -= (line->metrics & METRIC_TIME) != 0;
@@ -269,7 +268,7 @@ static char *help_of_kinds(void) {
 }
 
 static int start_measure(int argc, char **argv) {
-    measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 65536, .width = 0.04, .pass = 10};
+    measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 65536, .width = 0.04};
     const option_spec options[] = {
         {"out", "FILE", "write results there after each line of the plan, a JSON object each", OPTION_TEXT,
          .to = &o.out, .letter = 'o'},
@@ -278,8 +277,6 @@ static int start_measure(int argc, char **argv) {
         {"cellsize", "SIZE", "cell size of a raster that does not say, in its unit of heights", OPTION_REAL,
          .to = &o.cell_size, .low = 1e-9, .high = 1e9},
         {"count", "N", "rays of a pass (65536)", OPTION_COUNT, .to = &o.count, .low = 16, .high = 1 << 24},
-        {"pass", "S", "contenders that need longer for a pass are left out, and listed (10)", OPTION_REAL,
-         .to = &o.pass, .low = 1e-3, .high = 1e6},
         COMMON_OPTIONS(o, "10 a line of the plan", "0.04"),
     };
     static const char *const names[] = {"PLAN"};
@@ -298,7 +295,7 @@ static int start_measure(int argc, char **argv) {
 static int start_table(int argc, char **argv) {
     const char *folder = "out/table";
     bool quick = false;
-    measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 16, .width = 0.1, .pass = 60};
+    measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 16, .width = 0.1};
     const option_spec options[] = {
         {"out", "FOLDER", "folder for table.md and table.jsonl, made if missing (out/table)", OPTION_TEXT,
          .to = &folder},

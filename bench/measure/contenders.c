@@ -11,7 +11,7 @@ const char contenders_help[] =
     "test "
     "(default:moller-trumbore), call=N rays a call, threads=N; for embree robust, grid, medium (the build's quality) "
     "and wN, "
-    "one packet width of the four; for bullet accelerated, which loses hits";
+    "one packet width of the four";
 
 /* N of a text that is KEY and a number. */
 static bool number_after(const char *text, const char *key, unsigned most, unsigned *number) {
@@ -26,8 +26,7 @@ static bool number_after(const char *text, const char *key, unsigned most, unsig
 static const struct {
     const char *word;
     unsigned option;
-} peer_words[] = {
-    {"grid", PEER_GRID}, {"medium", PEER_MEDIUM}, {"robust", PEER_ROBUST}, {"accelerated", PEER_ACCELERATED}};
+} peer_words[] = {{"grid", PEER_GRID}, {"medium", PEER_MEDIUM}, {"robust", PEER_ROBUST}};
 
 static bool take_peer_option(contender_spec *s, const peer_kind *kind, const char *word) {
     for (size_t k = 0; k < sizeof peer_words / sizeof *peer_words; k++)

@@ -5,7 +5,6 @@
 #include "cellwalk_terrain.h"
 #include "harness/harness_memory.h"
 #include "raster.h"
-#include "workload/fractal_terrain.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -35,24 +34,12 @@ static bool read_raster(land *l, const char *path, double cell_size, io_error *e
     return true;
 }
 
-static bool is_side(const char *name, size_t *side) {
-    char *end;
-    *side = strtoul(name, &end, 10);
-    return *end == '\0' && *side >= 2 && *side <= 65537;
-}
-
 /* Fractal land of any size, a field of the workloads, or a file. */
 static bool make_samples(land *l, const measure_options *o, char why[192], io_error *error) {
-    size_t side;
-    if (is_side(l->name, &side)) {
-        /* The land itself, its bounds, and a third of both for coarser ones. */
-        if (!run_memory_has(8.5 * (double)side * (double)side, why)) return true;
-        l->samples =
-            (workload_field){.name = l->name, .nx = side, .ny = side, .z = malloc(side * side * sizeof(float))};
-        if (l->samples.z == NULL) return io_fail(error, "out of memory for land of %zu samples a side", side);
-        terrain_fractal(l->samples.z, side, side, 1, 0.1f);
-        return true;
-    }
+    char *end;
+    const double side = strtod(l->name, &end);
+    /* The land itself, its bounds, and a third of both for coarser ones. */
+    if (*end == '\0' && !run_memory_has(8.5 * side * side, why)) return true;
     if (workload_field_make(l->name, &l->samples)) return true;
     if (l->samples.name) return io_fail(error, "out of memory for field %s", l->name);
     if (strcmp(l->name, "jacksboro") != 0) return read_raster(l, l->name, o->cell_size, error);
@@ -68,7 +55,7 @@ land *land_of(const char *name, const measure_options *o, char why[192], io_erro
     snprintf(l->name, sizeof l->name, "%s", name);
     fprintf(stderr, "field %s\n", name);
     bool good = make_samples(l, o, why, error);
-    if (good && why[0] == '\0' && workload_field_open(&l->samples, CW_BORROW, false, &l->field) != CW_OK)
+    if (good && why[0] == '\0' && workload_field_open(&l->samples, &l->field) != CW_OK)
         good = io_fail(error, "field %s: %s", name, cw_last_error());
     if (good && why[0] == '\0') return present = l;
     land_close(l);

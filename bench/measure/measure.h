@@ -21,9 +21,8 @@ enum { MEASURE_NAME = 256, ENTRANTS_MAX = 48, FACTOR_MAX = 64 };
 typedef struct measure_options {
     run_options run;
     const char *out, *field, *scenes;
-    unsigned count; /* rays of a pass */
-    double seconds, width, pass,
-        cell_size; /* for all; of intervals; a pass may take at most; of a raster, 0: its own */
+    unsigned count;                   /* rays of a pass */
+    double seconds, width, cell_size; /* for all; of intervals; of a raster, 0: its own */
 } measure_options;
 
 /* A contender at one workload. */
@@ -76,14 +75,14 @@ typedef struct plan_line {
     char *contenders[ENTRANTS_MAX];
     size_t count;
     unsigned metrics;
-    size_t number; /* of the plan's line that it comes from; what stands in one was measured in turns */
+    size_t number; /* of the line in the file; what stands in one was measured in turns */
     int isa;       /* a cw_isa; below 0: that of the run */
 } plan_line;
 typedef struct plan {
     plan_line *lines;
     size_t count;
-    char **texts; /* that the lines point into */
-    size_t text_count;
+    char *text;    /* that the lines point into */
+    size_t number; /* of the line that was read last */
 } plan;
 /* From a file or, without one of that name, the plan of that name that ships. field: stands for FIELD in it. */
 bool measure_plan_read(plan *p, const char *name, const char *field, io_error *error);

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* FIELD/CLASS: the rays of a class on a field. */
 
-#include "clock.h"
 #include "harness/harness_memory.h"
 #include "harness/results.h"
 #include "measure/measure.h"
 #include "workload/ray_classes.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -58,21 +56,6 @@ static bool open_group(workload *w, io_error *error) {
     return true;
 }
 
-/* Seconds that a pass takes, from rays all over the array, since neighbouring ones cost alike; the hopeless are told by few. */
-static double predict(const contender_pass *whole, double limit) {
-    enum { PIECES = 32, HOPELESS = 20 };
-    if (whole->n < (size_t)PIECES * 128) return 0;
-    const size_t distance = whole->n / PIECES;
-    double seconds = 0;
-    for (size_t size = 1; size <= distance / 8 && seconds <= HOPELESS * limit; size *= 4) {
-        const double start = clock_cpu_seconds();
-        for (size_t k = 0; k < PIECES; k++)
-            contender_run(&(contender_pass){whole->of, whole->rays + k * distance, size, whole->any, whole->out});
-        seconds = (clock_cpu_seconds() - start) * (double)distance / (double)size;
-    }
-    return seconds;
-}
-
 static bool enter(workload *w, const char *name, io_error *error) {
     group *g = w->own;
     ray_contender found[WIDTHS_MAX];
@@ -100,8 +83,6 @@ static bool enter(workload *w, const char *name, io_error *error) {
         }
         a->pass = (contender_pass){&a->c.contender, a->scaled ? a->scaled : g->rays, g->n, g->any, g->out};
         e->job = (interleave_job){.run = contender_run, .context = &a->pass, .by_clock = a->c.contender.threads > 1};
-        const double seconds = predict(&a->pass, w->options->pass);
-        if (seconds > w->options->pass) snprintf(e->why, sizeof e->why, "a pass would take %.2g s", seconds);
     }
     return true;
 }
@@ -155,14 +136,9 @@ static void close_group(workload *w) {
     free(g);
 }
 
-const workload_kind measure_rays = {"FIELD/CLASS",
-                                    "rays on a field: primary, shadow, ao, bounce, random, grazing, afar; beside, "
-                                    "vertices, edges, within-0.1, within-2",
-                                    "rays",
-                                    NULL,
-                                    has,
-                                    open_group,
-                                    enter,
-                                    judge,
-                                    leave,
-                                    close_group};
+const workload_kind measure_rays = {
+    "FIELD/CLASS", "rays: primary, shadow, ao, bounce, random, grazing, afar; beside, vertices, edges, within-2",
+    "rays",        NULL,
+    has,           open_group,
+    enter,         judge,
+    leave,         close_group};

@@ -7,7 +7,6 @@
 #include "harness/results.h"
 #include "measure/measure.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,7 +17,6 @@ typedef struct stage {
     size_t field_count;
     land lands[FIELDS_MAX];
     contender reference[FIELDS_MAX];
-    io_image first; /* the first contender's picture */
 } stage;
 
 typedef struct player {
@@ -135,40 +133,17 @@ static bool enter(workload *w, const char *name, io_error *error) {
     return true;
 }
 
-/* True if a channel differs by more than half a step of 8-bit linear colour. Separate from the loop over pixels because GCC 12 for
- * aarch64 ends with an internal error where it vectorizes both loops as one (in vect_transform_reduction). */
-static bool looks_other(const float *a, const float *b) {
-    for (size_t c = 0; c < 3; c++)
-        if (fabs(fmax(0, fmin(1, (double)a[c])) - fmax(0, fmin(1, (double)b[c]))) > 0.5 / 255) return true;
-    return false;
-}
-
-static size_t visibly_other(const io_image *a, const io_image *b) {
-    size_t count = 0;
-    for (size_t k = 0; k < a->width * a->height; k++) count += looks_other(a->rgb + 3 * k, b->rgb + 3 * k);
-    return count;
-}
-
 static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
-    stage *s = w->own;
     player *p = e->own;
-    io_image image = {0};
     (void)metrics;
-    if (!render(p, true, &image, error)) return false;
-    io_image_free(&image);
+    if (!render(p, true, &p->image, error)) return false;
     p->width = 0;
     for (size_t k = 1; k < p->widths; k++)
         if (p->spent[k] < p->spent[p->width]) p->width = k;
     json_object_set_new(e->line, "agreement", results_agreement(&p->agreement));
     json_object_set_new(e->line, "by", json_string(p->by[0][p->width].contender.name));
-    if (!render(p, false, &p->image, error)) return false;
-    if (s->first.rgb == NULL) {
-        s->first = p->image;
-        p->image = (io_image){0};
-        return true;
-    }
-    results_set_counts(e->line, "pixels_visibly", (size_t[]){visibly_other(&p->image, &s->first)});
-    return true;
+    render_timed(p); /* once, to be warm */
+    return !p->failed || io_fail(error, "%s could not be rendered by %s", w->name, e->name);
 }
 
 static void leave(entrant *e) {
@@ -182,7 +157,6 @@ static void leave(entrant *e) {
 static void close_stage(workload *w) {
     stage *s = w->own;
     for (size_t f = 0; f < s->field_count; f++) land_close(&s->lands[f]);
-    io_image_free(&s->first);
     if (s->scene) scene_free(s->scene);
     free(s);
 }

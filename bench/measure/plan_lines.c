@@ -3,11 +3,12 @@
 
 #include "build_info.h"
 #include "harness/harness_memory.h"
+#include "inputs.h"
 #include "measure/measure.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static const workload_kind *const kinds[] = {&measure_rays, &measure_scene, &measure_build, &measure_horizon,
                                              &measure_sky};
@@ -49,7 +50,7 @@ static bool add_line(plan *p, const char *workloads, char *const *contenders, si
             p->lines = realloc(p->lines, (p->count + 1) * sizeof *p->lines);
             if (p->lines == NULL) memory_end();
             plan_line *line = &p->lines[p->count++];
-            *line = (plan_line){.count = count, .metrics = metrics, .number = p->text_count, .isa = isa};
+            *line = (plan_line){.count = count, .metrics = metrics, .number = p->number, .isa = isa};
             const char *of = field && strcmp(name, "FIELD") == 0 ? field : name;
             if (snprintf(line->workload, sizeof line->workload, "%s/%s", of, item) >= (int)sizeof line->workload)
                 return false;
@@ -79,48 +80,33 @@ static bool take_line(plan *p, char *text, const char *field) {
     return true;
 }
 
-static FILE *open_plan(const char *name, char path[4096]) {
-    snprintf(path, 4096, "%s", name);
-    FILE *file = fopen(path, "r");
-    if (file != NULL || errno != ENOENT || strchr(name, '/') != NULL) return file;
-    snprintf(path, 4096, "%s/%s.plan", BUILD_INFO_PLANS, name);
-    file = fopen(path, "r");
-    if (file == NULL) snprintf(path, 4096, "%s", name);
-    return file;
-}
-
 bool measure_plan_read(plan *p, const char *name, const char *field, io_error *error) {
-    char path[4096], *line = NULL;
-    size_t size = 0, number = 0;
+    char shipped[4096];
+    size_t size;
     *p = (plan){0};
-    FILE *file = open_plan(name, path);
-    if (file == NULL)
-        return io_fail(error, "%s: no such plan, neither a file nor one that ships: %s", path, strerror(errno));
-    bool good = true;
-    while (good && getline(&line, &size, file) >= 0) {
-        number++;
-        line[strcspn(line, "#\n")] = '\0';
+    snprintf(shipped, sizeof shipped, "%s/%s.plan", BUILD_INFO_PLANS, name);
+    const bool is_file = access(name, F_OK) == 0 || strchr(name, '/') != NULL;
+    const char *path = is_file ? name : shipped;
+    if (access(path, F_OK) != 0) return io_fail(error, "%s: no such plan, neither a file nor one that ships", name);
+    p->text = io_file_read(path, &size, error);
+    bool good = p->text != NULL;
+    char *rest = p->text;
+    for (char *line; good && (line = strsep(&rest, "\n")) != NULL;) {
+        p->number++;
+        line[strcspn(line, "#")] = '\0';
         if (line[strspn(line, " \t")] == '\0') continue;
-        p->texts = realloc(p->texts, (p->text_count + 1) * sizeof *p->texts);
-        char *text = strdup(line);
-        if (p->texts == NULL || text == NULL) memory_end();
-        p->texts[p->text_count++] = text;
-        good = take_line(p, text, field) || io_fail(error,
+        good = take_line(p, line, field) || io_fail(error,
                                                     "%s:%zu: a line is FIELD/WORK CONTENDERS METRICS [ISAS], with "
                                                     "commas in lists; metrics are time, agree, error and instructions",
-                                                    path, number);
+                                                    path, p->number);
     }
-    if (good && ferror(file)) good = io_fail(error, "%s: %s", path, strerror(errno));
     if (good && p->count == 0) good = io_fail(error, "%s: has no line to measure", path);
-    free(line);
-    fclose(file);
     if (!good) measure_plan_free(p);
     return good;
 }
 
 void measure_plan_free(plan *p) {
-    for (size_t k = 0; k < p->text_count; k++) free(p->texts[k]);
-    free(p->texts);
+    free(p->text);
     free(p->lines);
     *p = (plan){0};
 }

@@ -70,8 +70,7 @@ static const json_t *line_of(const json_t *lines, const char *of, const char *by
     size_t index;
     const json_t *line;
     json_array_foreach(lines, index, line) {
-        if (results_is(line, "result") && strcmp(results_text(line, "item"), of) == 0 &&
-            strcmp(results_text(line, "contender"), by) == 0)
+        if (strcmp(results_text(line, "item"), of) == 0 && strcmp(results_text(line, "contender"), by) == 0)
             return line;
     }
     return NULL;
@@ -96,7 +95,12 @@ static void put_time(FILE *to, const json_t *line, const json_t *embree) {
 void print_scenes(FILE *to, const json_t *lines) {
     const char *contenders[ENTRANTS_MAX];
     char machine[512];
-    const size_t count = results_distinct(lines, "contender", contenders, ENTRANTS_MAX);
+    size_t count = 0;
+    /* The run's line comes first, then those of the first scene. */
+    for (const json_t *line; (line = json_array_get(lines, count + 1)) != NULL; count++) {
+        if (strcmp(results_text(line, "item"), results_text(json_array_get(lines, 1), "item")) != 0) break;
+        contenders[count] = results_text(line, "contender");
+    }
     run_record_text(json_array_get(lines, 0), machine, sizeof machine);
     fprintf(to,
             "%s.\n\nSeconds to render, median CPU time of one thread, building excluded. In brackets: time relative to "

@@ -13,8 +13,6 @@
 #include <vector>
 
 namespace {
-const int chunk = 16; /* cells a side of the accelerator's bounds: Bullet's default */
-
 /* The nearest triangle so far; Bullet names its cell. */
 struct nearest : btTriangleRaycastCallback {
     int i = -1, j = -1;
@@ -29,21 +27,18 @@ struct nearest : btTriangleRaycastCallback {
 struct bullet {
     size_t nx, ny;
     double low, high;
-    bool accelerated;
     std::vector<float> z;
     std::unique_ptr<btHeightfieldTerrainShape> shape;
 };
 
-void *create(const cw_field *field, cw_isa, unsigned options, struct io_error *) try {
+void *create(const cw_field *field, cw_isa, unsigned, struct io_error *) try {
     const cw_field_info info = cw_field_describe(field);
-    const bool accelerated = (options & PEER_ACCELERATED) != 0;
-    std::unique_ptr<bullet> p(new bullet{info.nx, info.ny, info.low, info.high, accelerated, {}, nullptr});
+    std::unique_ptr<bullet> p(new bullet{info.nx, info.ny, info.low, info.high, {}, nullptr});
     for (size_t j = 0; j < info.ny; j++)
         p->z.insert(p->z.end(), cw_field_row(field, j), cw_field_row(field, j) + info.nx);
     /* Flipped quads have the diagonal from sample (i, j) to (i + 1, j + 1). */
     p->shape.reset(new btHeightfieldTerrainShape(static_cast<int>(info.nx), static_cast<int>(info.ny), p->z.data(),
                                                  info.low, info.high, 2, true));
-    if (accelerated) p->shape->buildAccelerator(chunk);
     return p.release();
 } catch (const std::bad_alloc &) {
     return nullptr;
@@ -53,8 +48,7 @@ void destroy(void *peer) { delete static_cast<bullet *>(peer); }
 
 size_t bytes_of(const void *peer, double *) {
     const bullet *p = static_cast<const bullet *>(peer);
-    return p->nx * p->ny * sizeof(float) + (p->accelerated ? 1 : 0) * ((p->nx + chunk - 1) / chunk) *
-                                               ((p->ny + chunk - 1) / chunk) * sizeof(btHeightfieldTerrainShape::Range);
+    return p->nx * p->ny * sizeof(float);
 }
 
 /* Bullet takes segments, about the middle of the field's box. Cut to the box, in double, they lose the least by rounding. */
@@ -110,5 +104,5 @@ void enter(contender *c, const void *peer, unsigned width, bool) {
 }
 } // namespace
 
-const peer_kind peer_bullet = {"bullet", "libbullet-dev", "present", BULLET_OPTIONS, {1},  {16, 16},
-                               nullptr,  create,          destroy,   bytes_of,         enter};
+const peer_kind peer_bullet = {"bullet", "libbullet-dev", "present", 0, {1},  {16, 16},
+                               create,          destroy,   bytes_of,         enter};

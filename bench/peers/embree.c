@@ -3,16 +3,11 @@
 #include "io_error.h"
 #include "peers/peer.h"
 
-#include <dlfcn.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* ---- Embree 3 and 4: names, order of arguments, and how a query is told the kind of its rays ---- */
 
@@ -60,22 +55,6 @@ typedef struct embree {
     double build_seconds;
     _Atomic int64_t bytes;
 } embree;
-
-/* A library that can fail an assertion names the function that tells so among those it needs. */
-static bool has_assertions(void) {
-    RTCDevice (*const inside)(const char *) = rtcNewDevice;
-    const void *address;
-    Dl_info info;
-    struct stat about;
-    memcpy(&address, &inside, sizeof address);
-    const int file = dladdr(address, &info) != 0 ? open(info.dli_fname, O_RDONLY) : -1;
-    const size_t size = file >= 0 && fstat(file, &about) == 0 ? (size_t)about.st_size : 0;
-    void *bytes = size > 0 ? mmap(NULL, size, PROT_READ, MAP_PRIVATE, file, 0) : MAP_FAILED;
-    if (file >= 0) close(file);
-    const bool found = bytes != MAP_FAILED && memmem(bytes, size, "__assert_fail", sizeof "__assert_fail") != NULL;
-    if (bytes != MAP_FAILED) munmap(bytes, size);
-    return found;
-}
 
 /* ---- building ---- */
 
@@ -282,6 +261,11 @@ static inline cw_hit make_hit(const embree *p, unsigned geometry, unsigned prim,
 
 /* ---- tracing ---- */
 
+/* One of rtcIntersect4 and its kin. */
+#define TRACE(width)                                                                                                   \
+    (any ? rtcOccluded##width(valid, in, EMBREE_ANY(query, (struct RTCRay##width *)p))                                 \
+         : rtcIntersect##width(valid, in, EMBREE_CLOSEST(query, (struct RTCRayHit##width *)p)))
+
 static inline void trace_packet(const contender *c, unsigned width, bool any, const int *valid, embree_query *query,
                                 packet *p) {
     RTCScene in = ((const embree *)c->peer)->scene;
@@ -289,18 +273,12 @@ static inline void trace_packet(const contender *c, unsigned width, bool any, co
         rtcOccluded1(in, EMBREE_ANY(query, (struct RTCRay *)p));
     else if (width == 1)
         rtcIntersect1(in, EMBREE_CLOSEST(query, (struct RTCRayHit *)p));
-    else if (width == 4 && any)
-        rtcOccluded4(valid, in, EMBREE_ANY(query, (struct RTCRay4 *)p));
     else if (width == 4)
-        rtcIntersect4(valid, in, EMBREE_CLOSEST(query, (struct RTCRayHit4 *)p));
-    else if (width == 8 && any)
-        rtcOccluded8(valid, in, EMBREE_ANY(query, (struct RTCRay8 *)p));
+        TRACE(4);
     else if (width == 8)
-        rtcIntersect8(valid, in, EMBREE_CLOSEST(query, (struct RTCRayHit8 *)p));
-    else if (any)
-        rtcOccluded16(valid, in, EMBREE_ANY(query, &p->whole.ray));
+        TRACE(8);
     else
-        rtcIntersect16(valid, in, EMBREE_CLOSEST(query, &p->whole));
+        TRACE(16);
 }
 
 /* A body for any width and both queries, compiled once for each because the callers give them as constants. */
@@ -367,7 +345,6 @@ const peer_kind peer_embree = {.name = "embree",
                                .options = EMBREE_OPTIONS,
                                .widths = {1, 4, 8, 16},
                                .needs = {260, 50},
-                               .has_assertions = has_assertions,
                                .create = create,
                                .destroy = destroy,
                                .bytes = bytes_of,

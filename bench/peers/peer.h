@@ -5,8 +5,7 @@
  * Embree (Wald et al. 2014) has the field as a triangle mesh or as its grid geometry. Its time includes reading rays from an array
  * of cw_ray, filling packets, tracing and writing cw_hit. Denormals are flushed to zero while it runs, as its manual recommends.
  *
- * Bullet, a physics engine of games and robots, has a height field and takes one ray a call, as its users ask. Its accelerator is
- * not on by default, and loses hits: at 257 x 257 samples 4 % of random rays, where without it all agree. */
+ * Bullet, a physics engine of games and robots, has a height field and takes one ray a call, as its users ask. */
 #ifndef CELLWALK_BENCH_PEERS_PEER_H
 #define CELLWALK_BENCH_PEERS_PEER_H
 
@@ -55,9 +54,9 @@ void contender_run(void *pass);
 
 struct io_error;
 
-/* Of a structure: Embree's grid, its default quality instead of its highest, its flag ROBUST; Bullet's accelerator. */
-enum { PEER_GRID = 1, PEER_MEDIUM = 2, PEER_ROBUST = 4, PEER_ACCELERATED = 8, PEER_OPTIONS = 16 };
-enum { EMBREE_OPTIONS = PEER_GRID | PEER_MEDIUM | PEER_ROBUST, BULLET_OPTIONS = PEER_ACCELERATED };
+/* Of a structure: Embree's grid, its default quality instead of its highest, its flag ROBUST. */
+enum { PEER_GRID = 1, PEER_MEDIUM = 2, PEER_ROBUST = 4, PEER_OPTIONS = 8 };
+enum { EMBREE_OPTIONS = PEER_GRID | PEER_MEDIUM | PEER_ROBUST };
 enum { PEER_KINDS = 2, PEER_WIDTHS = 4 };
 
 typedef struct peer_kind {
@@ -66,8 +65,6 @@ typedef struct peer_kind {
     unsigned widths[PEER_WIDTHS];         /* rays a call; 0: no more */
     /* Bytes a cell that it takes at most while it builds, without and with PEER_GRID. */
     double needs[2];
-    /* True if the library was compiled with its assertions, which cost speed. Debian's Embree is. NULL: not known. */
-    bool (*has_assertions)(void);
     /* The field must stay until destroy. isa is the widest set that it may use. NULL with the reason in error, or without memory. */
     void *(*create)(const cw_field *field, cw_isa isa, unsigned options, struct io_error *error);
     void (*destroy)(void *peer);

@@ -11,16 +11,15 @@ typedef struct workload_field {
     float *z; /* sample (i, j) is z[j * nx + i]; freed by workload_field_free */
 } workload_field;
 
-/* "65", "257", "1025", "4097", "8193": fractal land of that many samples a side, height range 0.1 of the side.
+/* "2" to "65537": fractal land of that many samples a side, height range 0.1 of the side.
  * "sea-calm", "sea-rough": 1000 × 1000 samples of water.
- * "8193x1025": land as long as the largest, for errors far from the origin; Embree has room for it. It is not timed.
  * "plane", "grooves", "comb", "checkerboard": 1025 × 1025 samples for rays beside them. The plane is tilted; of the others
  * every second row, every eighth row or every second sample is 1 high, the rest 0. Timed on request only. */
-/* False if no field has that name, or out of memory: then field->name is NULL or not, in that order. */
+/* False if no field has that name, or out of memory: then field->name is NULL or not, in that order. Else it is name itself. */
 bool workload_field_make(const char *name, workload_field *field);
 void workload_field_free(workload_field *field);
 
-/* The field in cells; storage as in cw_field_desc; if bare, nothing is built yet. */
-cw_status workload_field_open(const workload_field *samples, cw_storage storage, bool bare, cw_field **field);
+/* The field in cells; the samples are borrowed. */
+cw_status workload_field_open(const workload_field *samples, cw_field **field);
 
 #endif

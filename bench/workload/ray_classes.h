@@ -19,8 +19,7 @@ typedef enum workload_class {
      * sample to below every sample or the reverse, so that who finds no hit has a leak: for counting errors, not for timing. */
     WORKLOAD_VERTICES = WORKLOAD_CLASS_COUNT,
     WORKLOAD_EDGES,
-    /* To places anywhere on the surface from 0.01 to 0.1, and from 0.5 to 2 cells before them: for counting errors too. */
-    WORKLOAD_WITHIN_TENTH,
+    /* To places anywhere on the surface from 0.5 to 2 cells before them: for counting errors too. */
     WORKLOAD_WITHIN_TWO,
     WORKLOAD_ALL,
     /* For the worst case, timed on request only. Three quarters run at random places and in random directions parallel to the
@@ -30,7 +29,7 @@ typedef enum workload_class {
     WORKLOAD_NAMES
 } workload_class;
 
-/* "primary", "shadow", "ao", "bounce", "random", "grazing", "afar", "vertices", "edges", "within-0.1", "within-2",
+/* "primary", "shadow", "ao", "bounce", "random", "grazing", "afar", "vertices", "edges", "within-2",
  * "beside". */
 const char *workload_class_name(workload_class c);
 /* True if queries of the class find any hit, false if the closest. */

@@ -252,7 +252,7 @@ class Data:
 
 def run_text(run):
     about = [run.get("cpu"), ISAS.get(run.get("isa"), run.get("isa")), "commit " + run["commit"] if run.get("commit") else None,
-             f"Embree {run['embree']}" + (" (compiled with assertions)" if run.get("embree_assertions") else "") if run.get("embree") else
+             f"Embree {run['embree']}" if run.get("embree") else
              None, f"load {run['load']:.2f}" if "load" in run else None, run.get("date", "")[:10]]
     return ", ".join(text for text in about if text)
 
