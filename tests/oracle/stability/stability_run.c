@@ -71,8 +71,7 @@ static bool make_samples(size_t number, workload_field *field) {
 
 static bool make_field(stability_field *f, size_t number) {
     workload_field *samples = &f->samples;
-    if (!make_samples(number, samples) || workload_field_open(samples, &f->field) != CW_OK)
-        return false;
+    if (!make_samples(number, samples) || workload_field_open(samples, &f->field) != CW_OK) return false;
     f->aimed = aimed_field_of(f->field);
     f->oracle = oracle_create(samples->z, samples->nx, samples->ny);
     return f->oracle != NULL;
