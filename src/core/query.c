@@ -15,13 +15,19 @@ enum { SHARED = 1024 };
 /* As many as keep the kernels' batches full, and few. */
 enum { BLOCK = 512 };
 
-/* So many rays are best found one after the other: lanes would mostly be empty. */
-enum { FEW_ALONE = 3 };
+/* So many rays are best found one after the other. In a field of more than FEW_LARGE samples, beyond the caches, one fewer: lanes wait for
+ * memory together. */
+enum { FEW_ALONE = 4, FEW_LARGE = 1 << 22 };
 
 /* Does for n <= CW_FEW_RAYS rays what a cw_trace_fn does. */
 static inline void trace_few(const cw_kernel *kernel, const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits,
                              uint8_t *occluded) {
-    if (n <= FEW_ALONE && cw_one(field, kernel->one, rays, n, hits, occluded)) return;
+    if (n > 1) {
+        cw_short_fn *const if_short = kernel->if_short[n > CW_SHORT_LANES];
+        if (if_short && if_short(field, rays, n, hits, occluded)) return;
+    }
+    const size_t alone = FEW_ALONE - (field->nx * field->ny > FEW_LARGE);
+    if (n <= alone && cw_one(field, kernel->one, rays, n, hits, occluded)) return;
     kernel->few->trace[CW_LEAF_WATERTIGHT](field, rays, n, hits, occluded);
 }
 

@@ -33,7 +33,7 @@ typedef size_t ray_maker(const ground *g, cw_ray *rays, size_t most, random_stat
 field_maker any_shape, large_shape, small_shape;
 ray_maker random_rays, random_rays_at_once, adversarial_rays, rays_in_turn;
 
-/* Rays that src/scalar/cell.c guesses to be short. Some of them are long. */
+/* Rays that simd/packet_kernel.c and src/scalar/cell.c guess to be short. Some of them are long. */
 field_maker cliff;
 ray_maker rays_over_cliff;
 

@@ -284,4 +284,6 @@ def test_the_table_of_bounds_is_true(scenes):
         flooded.process.stdin.close()
         _, status, usage = os.wait4(flooded.process.pid, 0)
         flooded.process.returncode = status
-        assert status == 0 and (EMULATOR or needs_room() or value / 4 < usage.ru_maxrss / 1000 <= value), (name, usage.ru_maxrss)
+        assert status == 0, name
+        if not EMULATOR and not needs_room(flooded.process.args[-2]):
+            assert value / 4 < usage.ru_maxrss / 1000 <= value, (name, usage.ru_maxrss)

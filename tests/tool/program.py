@@ -33,10 +33,11 @@ WorldEnd
 REAL = "/usr/lib/R/site-library/terra/ex/elev.tif"  # Luxembourg in degrees, from SRTM
 
 
-def needs_room():
-    """AddressSanitizer does not start under a small limit of memory."""
-    with open(PROGRAM, "rb") as file:
-        return b"__asan_init" in file.read()
+def needs_room(program=PROGRAM):
+    """Sanitizers take memory of their own: AddressSanitizer does not start under a small limit."""
+    with open(program, "rb") as file:
+        text = file.read()
+    return b"__asan_init" in text or b"__tsan_init" in text
 
 
 def takes(k, most):

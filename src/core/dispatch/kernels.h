@@ -6,10 +6,13 @@
 #include "cellwalk_expert.h"
 
 /* Calls of so many rays take at most 16 KiB of stack. */
-enum { CW_FEW_RAYS = 8 };
+enum { CW_FEW_RAYS = 8, CW_SHORT_LANES = 4 };
 
 /* Traces rays[0..n) and writes hits[0..n), or occluded[0..n) if hits is NULL. Runs in the IEEE default environment. */
 typedef void cw_trace_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
+
+/* The same for few rays, with the watertight test; false if another walk is better, and then answers are unspecified. */
+typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
 /* The walk of one ray over the pyramid from cell (i, j) on, which is low above the ground or not. CW_ONE_LONG: it has opened ONE_OPENS
  * nodes, so it runs beside a surface, which the close walk of the pyramid kernels is made for. */
@@ -44,8 +47,10 @@ struct cw_kernel {
     /* Other code for the same instruction set. */
     cw_heading_fn *heading;
     cw_to_field_fn *to_field;
-    /* Calls of at most CW_FEW_RAYS rays that force no kernel: the walk of one alone (NULL: there is none), and of several. */
+    /* Calls of at most CW_FEW_RAYS rays that force no kernel: the walk of one alone (NULL: there is none); of at most CW_SHORT_LANES and of
+     * more that are all short by a guess; and of all others. */
     cw_one_fn *one;
+    cw_short_fn *if_short[2];
     const cw_kernel_code *few;
     cw_status (*build)(cw_field *field); /* makes the field's guest, if the bounds alone do not serve it */
 };
@@ -65,12 +70,13 @@ cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 /* Kernels of another library, which come before those of this one. Before the first other call, and once. */
 void cw_kernels_add(const cw_kernel *first, size_t count);
 
-/* src/scalar/cell.c; cw_one: what a cw_trace_fn does, one ray after the other; false, with answers missing, if one takes long. */
+/* src/scalar/cell.c; cw_one: a cw_short_fn of one ray after the other. */
 extern const cw_kernel_code cw_cell;
 bool cw_one(const cw_field *field, cw_one_fn *walk, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
 /* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the instruction sets of simd/isas.cmake */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
+cw_short_fn cw_short4, cw_short8, cw_short16;
 extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
 
 cw_one_fn cw_one4, cw_one8, cw_one16; /* simd/one_kernel.c */

@@ -282,11 +282,13 @@ static void trace_all_grid3d(const cw_field *f, const cw_ray *rays, size_t n, cw
 static const cw_kernel_code brute = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trace_all_brute}};
 static const cw_kernel_code grid3d = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trace_all_grid3d}};
 
+/* clang-format off */
 static const cw_kernel kernels[] = {
     {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, &brute, cw_heading1, cw_to_field1,
-     NULL, NULL, NULL},
-    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, &grid3d, cw_heading1, cw_to_field1, NULL, NULL,
-     build_grid3d},
+     NULL, {NULL, NULL}, NULL, NULL},
+    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, &grid3d, cw_heading1, cw_to_field1,
+     NULL, {NULL, NULL}, NULL, build_grid3d},
 };
+/* clang-format on */
 
 void cw_reference_add(void) { cw_kernels_add(kernels, sizeof kernels / sizeof kernels[0]); }
