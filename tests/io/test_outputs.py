@@ -372,6 +372,8 @@ ACCESS, DEFAULT = "system.posix_acl_access", "system.posix_acl_default"
 
 def test_lists_are_kept(files):
     """A list that the folder gives new files is not for one that replaces a file without."""
+    if os.environ.get("CELLWALK_PORTABLE") == "ON":
+        pytest.skip("built without what Linux alone has")
     old_file("a", 0o600)
     try:
         os.setxattr("a", ACCESS, LIST)
