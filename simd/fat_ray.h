@@ -27,7 +27,7 @@ enum { TILE = 64, PACKETS = TILE / W, GROUP = 16, GROUPS = TILE / GROUP };
 enum { SHARE_AT_LEAST = 4 };
 
 /* Greatest distance in cells between origins of a tile that shares a walk, along each axis. With more, shadow rays lose
- * time, as the tile falls apart at once (papers/walks.md). */
+ * time, as the tile falls apart at once. */
 enum { TILE_CELLS = 4 };
 
 static inline unsigned packet_bits(ray_set rays, size_t p) {

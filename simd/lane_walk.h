@@ -96,8 +96,7 @@ static __attribute__((noinline)) void lanes_found(lane_answers *a, const cw_fiel
 
 /* ---- the walk ---- */
 
-/* REFILL_AT: empty lanes at which they are refilled. LEAF_AT: lanes waiting at a cell at which cells are tested.
- * papers/walks.md has the measurements of other thresholds. */
+/* REFILL_AT: empty lanes at which they are refilled. LEAF_AT: lanes waiting at a cell at which cells are tested. */
 enum { REFILL_AT = LANES < 4 ? 1 : LANES < 16 ? LANES / 4 : 4, LEAF_AT = (3 * LANES + 7) / 8 };
 
 /* If the queue is empty, two registers stop when one can hold the rest. */
@@ -337,7 +336,7 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, lane_answers *
  *
  * Rejected: ending each batch, with ever fewer lanes alive. Rejected: two vectors of lanes that take turns, so that
  * one works while the other waits for its bounds or samples. Their state goes through memory, which costs more than
- * the waiting in all but the largest fields (papers/walks.md). */
+ * the waiting in all but the largest fields. */
 CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers) {
     if (l->living == 0 && queue->n > 0) memset(l, 0, sizeof *l); /* empty lanes take part in every operation */
     for (size_t next = 0;;) {

@@ -14,7 +14,7 @@ enum { SHORT_CELLS = 32, SHORT_TURNS = 40 };
 
 /* True if some ray, in its first cell, seems to cross more cells. guessed: rays that seem short only because they soon fall to the height of
  * that cell's first sample. As the ground may fall away, they get a nearer end; one that finds nothing before it has no answer yet.
- * Rejected: the slab of the 16 × 16 cells below, more often right but one more miss of the cache (papers/walks.md). */
+ * Rejected: the slab of the 16 × 16 cells below, more often right but one more miss of the cache. */
 CW_INLINE bool some_are_long(packet *l, const cw_field *f, vmask *guessed) {
     vray *r = &l->r;
     const vfloat speed = vf_add(vf_abs(r->x.dir), vf_abs(r->y.dir)), most = vf_set(SHORT_CELLS);
@@ -68,7 +68,7 @@ CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_l
 }
 
 /* One function for each leaf test. Rejected: one for both with a branch at its top, as compilers then run out of
- * registers; a second copy for short rays, which was slower (papers/walks.md). */
+ * registers; a second copy for short rays, which was slower. */
 static void CW_CODE(packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, hits == NULL, false, hits, occluded);
 }

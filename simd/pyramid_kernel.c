@@ -25,7 +25,7 @@ enum { FLAT_STEPS = 4 };
 
 /* Climb and flat steps for the rays of w in these packets, which share no walk; queues those that go on. The packets
  * climb together and step together, since each alone is one chain of dependent operations. Rejected, as slower: one
- * packet after another (papers/walks.md). */
+ * packet after another. */
 CW_INLINE void walk_apart(tile_walk *w, climber *climbers, packet_set apart, bool any) {
     const cw_field *f = w->f;
     climb(w->packets, climbers, apart, f);
@@ -79,7 +79,7 @@ typedef struct tile_room {
  * are queued.
  *
  * Rejected: letting each group of an incoherent tile walk as soon as it is ready, with its rays in registers. Bounce
- * rays gain less than coherent rays lose (papers/walks.md). */
+ * rays gain less than coherent rays lose. */
 static __attribute__((noinline)) ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, bool any,
                                                       cw_hit *hits, const tile_room *room, size_t first_packet) {
     packet *const packets = room->packets;

@@ -22,7 +22,7 @@ typedef struct block_cells {
 } block_cells;
 
 /* Returns a packet's rays that have their first hits in these cells. Rejected: all packets in one cell after another,
- * since a ray then leaves the registers from cell to cell (papers/walks.md). */
+ * since a ray then leaves the registers from cell to cell. */
 CW_INLINE vmask shared_cells(int quadrant, packet *l, vmask among, const block_cells *b, bool any) {
     const bool up_x = quadrant & QUADRANT_UP_X, up_y = quadrant & QUADRANT_UP_Y;
     const block_samples *s = b->s;
@@ -56,8 +56,7 @@ CW_INLINE vmask shared_cells(int quadrant, packet *l, vmask among, const block_c
 }
 
 /* A tile or group falls apart at a block in which cells to be tested times packets are at least FALL_APART times its
- * rays, and at a node of which more than CHILDREN_AT_MOST children must be visited. 6 was the fastest of 5, 6 and 8
- * (papers/walks.md). */
+ * rays, and at a node of which more than CHILDREN_AT_MOST children must be visited. 6 was the fastest of 5, 6 and 8. */
 enum { FALL_APART = 2, CHILDREN_AT_MOST = 6 };
 
 /* Queues the rays that cross the given node of the pyramid for the lane walk, and returns them. */

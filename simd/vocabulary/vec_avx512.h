@@ -84,7 +84,7 @@ static inline void store_quarters(float *to, const __m512 r[6]) {
 }
 
 /* A pair as one gathered double: half the loads. In pairs of registers, 8-byte loads
- * put together by shuffles, as for AVX2: faster for the lane walk, slower for packet16 (papers/walks.md). */
+ * put together by shuffles, as for AVX2: faster for the lane walk, slower for packet16. */
 #if REGISTERS == 1
 CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, float_reg *first, float_reg *second) {
     const __m512i safe = ri_where(m, index).v;

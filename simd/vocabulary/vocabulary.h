@@ -8,7 +8,7 @@
  *
  * Why two registers: a step of the lane walk is one chain of some forty dependent operations, longer than the CPU can look
  * ahead, so one register leaves most of its units idle. Two in lockstep, operation by operation, are two chains at once.
- * Rejected: vectors that take turns step by step, since the CPU still sees one chain at a time (papers/walks.md). */
+ * Rejected: vectors that take turns step by step, since the CPU still sees one chain at a time. */
 #ifndef CELLWALK_SIMD_VOCABULARY_H
 #define CELLWALK_SIMD_VOCABULARY_H
 
@@ -33,7 +33,7 @@ enum { LANES = REGISTERS * W };
 #define SECOND(...) __VA_ARGS__
 #endif
 
-/* Rejected: arrays of registers and loops over them, which GCC copies through memory (papers/walks.md). Words are inlined as those
+/* Rejected: arrays of registers and loops over them, which GCC copies through memory. Words are inlined as those
  * of registers are, or GCC does not inline these before it takes vectors apart. */
 typedef struct vfloat {
     float_reg a;

@@ -136,7 +136,7 @@ static bool trace_all(trace *t, const char *rays, io_error *error) {
     bool good = prepare(t, rays, error);
     for (uint64_t done = 0; good && done < t->count; done += PIECE) {
         good = trace_piece(t, done, t->count - done < PIECE ? (size_t)(t->count - done) : PIECE, error);
-        progress_show("tracing", (double)done / (double)t->count);
+        progress_show("tracing", fmin(1, (double)(done + PIECE) / (double)t->count));
     }
     progress_end();
     return good && (t->hits == NULL || io_output_commit(&t->output, error));
@@ -176,7 +176,7 @@ static int run_request(trace *t, const char *rays) {
     if (good)
         command_wrote("trace", t->quiet, t->hits, start, "%.3g %% of %llu rays hit",
                       t->count > 0 ? 100 * (double)t->hit_count / (double)t->count : 0, (unsigned long long)t->count);
-    if (good && !t->quiet && t->count > 0 && t->hit_count == 0) warn_of_bounds(t);
+    if (good && !t->quiet && !t->any && t->count > 0 && t->hit_count == 0) warn_of_bounds(t);
     io_output_discard(&t->output);
     io_npy_close(&t->rays);
     cw_pool_destroy(t->query->pool);

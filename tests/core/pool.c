@@ -254,7 +254,7 @@ static void each_call_is_watched(void **state) {
             check(w.last > 1 - 1e-9 && w.calls > 2 && w.wrong == 0, "%s: %u calls, %u wrong, up to %g", c->name,
                   w.calls, w.wrong, w.last);
             /* Rays may be slow, so the first piece is small. */
-            check(k > 1 || shared || w.first <= 0.1, "%s: %g at once", c->name, w.first);
+            check(k > 1 || shared || w.first <= 0.011, "%s: %g at once", c->name, w.first);
             for (double stop = 1e-9; stop < 1; stop += 0.1) {
                 w = (watch){.stop_at = stop};
                 check(c->make(&run) == CW_ERROR_CANCELLED && w.wrong == 0, "%s goes on after %g", c->name, w.last);

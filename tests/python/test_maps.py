@@ -321,6 +321,13 @@ def test_the_sky_of_a_leaning_surface(tilt):
     assert 0 <= hills.diffuse[0] <= hills.free_diffuse[0] + 1
 
 
+def test_days_without_hills():
+    """In winter a roof to the south gets most, level ground less, a wall to the north nothing; level land hides no sun."""
+    south, level, north = (cw.Field(np.zeros((9, 9))).sun_days(4, 4, "2024-02-10", step="1h", lon_lat=(0, 50), tilt=tilt, facing=facing)
+                           for tilt, facing in ((40, 180), (0, 180), (90, 0)))
+    assert south.direct > level.direct > north.direct == 0 and level.hours == level.free_hours
+
+
 # ---- horizons of places ------------------------------------------------------------------------------------------------------
 
 
@@ -342,6 +349,9 @@ def test_horizons_of_places(program, tool, maps, tmp_path):
         lon, lat = map(np.radians, degrees_of(crs, x, y))
         apart = 0 if name == "degrees" else -np.degrees(np.arctan(np.tan(lon - np.radians(9)) * np.sin(lat)))
         assert np.allclose(rows[:, 0, 1] - rows[:, 0, 2], apart, atol=2e-3)
+        noon, middle = "2024-12-21T13:00:00Z", degrees_of(crs, [np.mean(x)], [np.mean(y)])
+        true, of_map = cw.sun(noon, float(middle[0][0]), float(middle[1][0])), cw.open(path).sun(noon)
+        assert abs(of_map.azimuth - true.azimuth - np.ravel(np.broadcast_to(apart, 3)).mean()) < 0.2
 
 
 # ---- distances ---------------------------------------------------------------------------------------------------------------

@@ -234,6 +234,10 @@ def test_tables(tool, ground, tmp_path, words, columns, made):
             assert close if text else np.isnan(number), (name, text, number)
 
 
+def test_every_other_sample(ground):
+    same(ground.field.visibility(8, every=3), np.asarray(ground.field.visibility(8))[::3, ::3])
+
+
 def test_openness():
     """Of a slope, a pyramid, a pit and a cone; elsewhere the mean of horizons, and of the land upside down."""
     y, x = np.mgrid[-40.0:41, -40:41]

@@ -255,7 +255,7 @@ def test_small_files_hold_no_large_pictures(files, images):
 
 
 def test_warnings_end(scenes):
-    """Those of the first lines are told before the mistake, which is named with its line all the same."""
+    """A mistake behind many warnings is named with its line; of these the first hundred are told."""
     write("a.pbrt", 40000 * 'Accelerator "bvh"\n' + HEAD + 'Material "matte" "float first" 1\n"float second" 2\n')
     scenes.refused("a.pbrt:40004: Material: ", "load", "a.pbrt")
     write("a.pbrt", 40000 * 'Accelerator "bvh"\n' + HEAD + "WorldEnd\n")

@@ -49,7 +49,7 @@ foreach(kernel IN LISTS kernels cellwalk_words_targets ITEMS cellwalk_tile_avx51
     target_sources(cellwalk_emulated INTERFACE $<TARGET_OBJECTS:${kernel}_emulated>)
     # The flags of src/flags.cmake that change code, without the warnings, for SIMDe's inline functions. Vectors wider than
     # the machine's are passed in memory, of which GCC warns; all of it is one compile unit. -O3 takes four times as long to compile.
-    target_compile_options(${kernel}_emulated PRIVATE -mavx2 -O1 -mfma -ffp-contract=off -fno-math-errno -fno-trapping-math
+    target_compile_options(${kernel}_emulated PRIVATE -mavx2 -O1 -ffp-contract=off -fno-math-errno -fno-trapping-math
         -Wno-psabi -include ${CMAKE_CURRENT_LIST_DIR}/emulated_avx512.h)
     math(EXPR emulated "${emulated} + 1")
 endforeach()

@@ -161,7 +161,7 @@ static int sees(const char *words, const double *d, io_error *e) {
     double *area = calloc(n + 1, sizeof *area);
     float *far = calloc(n + 1, sizeof *far), *direction = malloc((n + 1) * sizeof *direction);
     cw_pool *pool = NULL;
-    stop_unless(area && far && direction && (isa < 4 || cw_pool_create(3, &pool) == CW_OK), "eyes");
+    stop_unless(area && far && direction && (isa % 2 == 0 || cw_pool_create(3, &pool) == CW_OK), "eyes");
     for (size_t k = 0; k < n; k++) direction[k] = NAN;
     cw_isa_limit((cw_isa)isa);
     const bool there = isa == 0 || cw_isa_best() == (cw_isa)isa;

@@ -109,6 +109,13 @@ def test_the_sky_over_a_plane(lands, tilt):
     assert tilt > 0 or (tilted == level).all()
 
 
+@pytest.mark.parametrize("count", [1, 3, 7, 32, 360, 3599])
+def test_the_sky_of_a_plain_is_whole(lands, count):
+    lands.land(np.full((7, 9), 300))
+    for flags in 0, 1:
+        assert (lands.product("sky", horizon(count=count, flags=flags)) == 1).all()
+
+
 def test_the_sky_over_land(lands):
     """Against the integral, summed up over the sky in small pieces from the horizon's angles, on land that leans; as on a level, in
     closed form: the mean of the squared cosines of those angles. Pieces of angle e are off by e times the steepness of what is

@@ -252,7 +252,7 @@ FILE = "--observers", "t.csv"
     (2, "keeps them apart", (*FILE, "--weights", "--bands")),
     (2, "one can be written", (*FILE, "--weights", "--angle")),
     (1, "is that of one observer, not of 2; --bands", (*FILE, "--angle")),
-    (1, "is that of one observer, not of 2; --bands", (*from_each("1,2", "9,2"), "--needed")),
+    (2, "is that of one observer, not of 2; --bands", (*from_each("1,2", "9,2"), "--needed")),
     (1, "a table has no layers", (*FILE, "--layer", "a")),
     (2, "--azimuth takes two angles", ("--from", "1,2", "--azimuth", 1)),
     (2, "--azimuth takes two angles", ("--from", "1,2", "--azimuth", "1,400")),

@@ -91,7 +91,7 @@ static inline size_t cw_pyramid_down(const cw_field *f, int l) { return ((f->ny 
  * done at once. */
 void cw_pyramid_tile(const cw_field *f, struct cw_pyramid *p, size_t x, size_t y);
 
-/* src/core/bounds/slabs.c: sum and slab of node (x, y) of a level above TILE_LEVEL, from the levels below. */
+/* src/core/bounds/slabs.c: sum and slab of node (x, y) of a level above TILE_LEVEL, from those of its tiles. */
 void cw_pyramid_node_slab(const cw_field *f, struct cw_pyramid *p, int level, size_t x, size_t y);
 
 /* Sets a slab outward, or level where that makes it no thicker than its node, which reaches from low to high: there

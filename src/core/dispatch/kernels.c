@@ -12,7 +12,8 @@
 #define FEW_4  {cw_short4, cw_short4}, &cw_pyramid4
 #define FEW_8  {cw_short4, cw_short8}, &cw_pyramid8
 #define FEW_16 {cw_short4, cw_short8}, &cw_pyramid8
-#define NONE   NULL, {NULL, NULL}
+#define NONE                                                                                                           \
+    NULL, { NULL, NULL }
 
 /* From the plainest to the fastest: the last one available is the default. CELLWALK_KERNELS is KERNEL(set, lanes) for each row of
  * simd/isas.cmake but the scalar one. */

@@ -6,7 +6,6 @@
 
 #include <errno.h>
 #include <openexr.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -103,6 +102,7 @@ bool io_exr_put(io_output *out, const io_image *image, io_error *error) {
     enum { SIDE_MAX = 1 << 24 }; /* keeps a row's bytes in the 31 bits that the library has for them */
     if (image->width > SIDE_MAX || image->height > SIDE_MAX)
         return io_fail(error, "%s: %zu x %zu pixels are too many for OpenEXR", out->name, image->width, image->height);
+    if (out->direct) return io_fail(error, "%s: cannot write: OpenEXR needs a regular file", out->name);
     first_message[0] = '\0';
     const exr_result_t result = encode(out->file, out->name, image);
     return result == EXR_ERR_SUCCESS || io_fail(error, "%s: cannot write: %s", out->name, reason(result));

@@ -18,7 +18,6 @@ typedef struct io_raster_product {
     const io_georef *georef; /* of the terrain */
     bool has_nodata;
     double nodata;
-    double black, white; /* in a grey picture: the values that become 0 and 255 */
     /* For GeoTIFF, each may be NULL. */
     const char *const *band_names; /* one for each band */
     const char *unit;              /* of the values */

@@ -62,7 +62,7 @@ static void trace_all_brute(const cw_field *f, const cw_ray *rays, size_t n, cw_
  *
  * Invariant: a hit counts only if it lies inside the current voxel's t-range. A triangle is listed in every voxel
  * that its box touches, so a ray may find a hit beyond the current voxel although a later voxel has a nearer one.
- * Rejected: returning the first hit found, as the coursework did (papers/walks.md). */
+ * Rejected: returning the first hit found, as the coursework did (papers/tradeoff.md). */
 
 enum { VOXELS_MAX = 64, TRIANGLE_BITS = 1 };
 

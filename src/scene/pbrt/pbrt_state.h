@@ -11,7 +11,7 @@
 /* A Texture directive. */
 typedef struct pbrt_texture {
     char *name;
-    texture *image; /* the scene's; NULL if only fields are read */
+    texture *image; /* the scene's */
 } pbrt_texture;
 
 /* Limits on levels of includes, and on all that a scene reads: a file that includes two others, which include two

@@ -11,7 +11,7 @@
     help=$("${COMP_WORDS[0]}" "${COMP_WORDS[1]}" --help 2>/dev/null)
     help=${help%%$'\nExamples:'*}
     help=${help//$'\n'                         /$'\t'}
-    option=$(grep -E -m 1 -- "^  ( *|-., )$before(,| [^ ])" <<<"$help")
+    [[ $before == -* ]] && option=$(grep -E -m 1 -- "^  ( *|-., )$before(,| [^ ])" <<<"$help" 2>/dev/null)
     if ((COMP_CWORD == 1)); then
         words='@commands@ --help --version'
     elif [[ $before == -* && $option =~ --[a-z-]+\ ([^ $'\t']+) ]]; then

@@ -80,7 +80,10 @@ static int unknown(const options_usage *usage, const char *argument, size_t leng
     char word[64];
     snprintf(word, sizeof word, "%.*s", (int)length, argument);
     const char *meant = word[1] == '-' ? words_closest(word + 2, names, count) : NULL;
-    if (strstr(word, "height") != NULL && (meant == NULL || strstr(meant, "height") == NULL))
+    bool places = strstr(usage->synopsis, "X,Y[,H]") != NULL;
+    for (size_t k = 0; k < usage->option_count; k++)
+        places |= usage->options[k].value && strncmp(usage->options[k].value, "X,Y[,H]", 7) == 0;
+    if (places && strstr(word, "height") != NULL && (meant == NULL || strstr(meant, "height") == NULL))
         command_fail(usage->name, "unknown option %s; the height of a place is its third number: X,Y,H", word);
     else
         command_fail(usage->name, meant ? "unknown option %s; did you mean --%s?" : "unknown option %s", word, meant);
