@@ -327,7 +327,7 @@ def test_pictures_that_cannot_be_written_leave_nothing(files, pixels):
     before = entries()
     files.refused("OpenEXR needs a regular file", "image write", "full.exr", WIDTH, HEIGHT)
     _, said = files.ask("image write", "full.png", WIDTH, HEIGHT)
-    assert "No space left" in said or "libpng" in said
+    assert "No space left" in said or "libpng" in said or "no library for it" in said
     files.refused(".exr", "image write", "a.jpg", WIDTH, HEIGHT)  # says what can be written
     files.refused("none/a.exr", "image write", "none/a.exr", WIDTH, HEIGHT)
     assert entries() == before
