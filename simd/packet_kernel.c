@@ -80,10 +80,12 @@ static void CW_CODE(packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n,
     packet_wt(f, rays, n, false, hits, occluded);
 }
 
-/* cw_short4, cw_short8 or cw_short16. */
+#if W < 16 /* see FEW_16 in kernels.c */
+/* cw_short4 or cw_short8. */
 bool CW_CODE(short)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     return packet_wt(f, rays, n, true, hits, occluded);
 }
+#endif
 
 /* cw_packet4, cw_packet8 or cw_packet16. */
 const cw_kernel_code CW_CODE(packet) = {

@@ -56,13 +56,6 @@ typedef struct scene_render_options {
 typedef struct scene_render_stats {
     uint64_t camera_rays, shadow_rays, mirror_rays;
     uint64_t field_queries; /* rays given to a tracer, counted once for each field that they were given to */
-    double seconds;         /* wall time, without build_seconds */
-    double build_seconds;   /* cw_field_build for the default tracer; 0 where it had been done before */
-    /* The time of all threads from their first tile to their last, added up: */
-    double ray_seconds;   /* making rays, and moving them to the shapes that they may meet */
-    double trace_seconds; /* inside the tracer */
-    double shade_seconds; /* surfaces, light, textures */
-    double film_seconds;  /* pixels */
 } scene_render_stats;
 
 /* Renders into image, which is allocated here. The picture depends neither on the number of threads nor on the kernel or

@@ -227,6 +227,7 @@ static bool writes_raster(const char *name, const char *words, io_error *e) {
                                        .ny = option(words, "ny="),
                                        .bands = 1,
                                        .cell = IO_CELL_FLOAT32,
+                                       .cog = option(words, "cog=") != 0,
                                        .map = raster.nx ? (const double(*)[4])raster.map : identity,
                                        .georef = &raster.georef,
                                        .creation = (const char *const[]){"SPARSE_OK=TRUE"},

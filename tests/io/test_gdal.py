@@ -189,9 +189,9 @@ def test_large_files_are_bigtiff(files, side, magic):
 
 
 def test_missing_rows_leave_nothing(files):
-    for name, cell in ("less.png", 3), ("less.npy", 4), ("less.tif", 4):
+    for name, cell, more in ("less.png", 3, ""), ("less.npy", 4, ""), ("less.tif", 4, ""), ("less.tif", 4, " cog=1"):
         write("cells", bytes(cell * NX * (NY - 1)))
-        files.refused("missing", "raster write", name, f"nx={NX} ny={NY}")
+        files.refused("missing", "raster write", name, f"nx={NX} ny={NY}{more}")
     assert entries() == ["cells"]
 
 

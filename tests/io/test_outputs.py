@@ -173,7 +173,7 @@ def test_a_full_disk_is_an_error(files):
 
 
 def test_each_process_removes_its_own(files):
-    """A child that was forked and ends has no say in its parent's files; a process that ends leaves none of its own."""
+    """A forked child that ends removes none of its parent's files. A process that ends leaves no unfinished file."""
     start(files, "a", "te")
     files("flush", 0)
     for words in ("discard", 0), ("discard all",), ("open", 1, "b"):

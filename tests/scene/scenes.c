@@ -158,8 +158,6 @@ static bool renders(const char *words, io_error *e) {
     stop_unless(good || image.rgb == NULL, "pixels are left");
     if (!good) return false;
     save("pixels", image.rgb, image.width * image.height * 3 * sizeof *image.rgb);
-    const double seconds[] = {s.seconds, s.ray_seconds, s.trace_seconds, s.shade_seconds, s.film_seconds};
-    save("seconds", seconds, sizeof seconds);
     fprintf(answer,
             "width=%zu\nheight=%zu\ncamera=%zu\nshadow=%zu\nmirror=%zu\nqueries=%zu\nasked=%zu\noutside=%zu\nwhole=%d",
             image.width, image.height, (size_t)s.camera_rays, (size_t)s.shadow_rays, (size_t)s.mirror_rays,

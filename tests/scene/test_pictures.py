@@ -201,10 +201,8 @@ def test_neither_plan_nor_instruction_set_changes_a_pixel(scenes, kind, phong):
     assert sets > 0
     watched, found = scenes.render(threads=1, phong=phong, tracer=1)
     assert watched.tobytes() == pixels.tobytes() and found.asked == found.queries > found.camera / 2 and found.outside == 0
-    for threads in 1, 2, 3:
-        scenes.render(threads=threads)
-        seconds, *stages = np.fromfile("seconds")
-        assert min(stages) > 0 and sum(stages) <= threads * seconds * (1 + 1e-9)
+    for threads in 2, 3:
+        assert scenes.render(threads=threads, phong=phong)[0].tobytes() == pixels.tobytes(), threads
 
 
 def test_a_tracer_is_asked_instead_of_the_library(scenes):

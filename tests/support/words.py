@@ -24,7 +24,7 @@ def folder():
 
 
 class Program:
-    """A call is a command with its words; it returns what is found."""
+    """A small C program that obeys commands. Calling an object sends a command and returns the answer."""
     name, has_kernels = None, True
 
     def __init__(self, pass_fds=(), **setting):
@@ -50,14 +50,13 @@ class Program:
         return said
 
     def refused(self, part, *words):
-        """What is said where this fails with these words."""
+        """Requires that the command fails with a message that contains part, and returns the message."""
         good, said = self.ask(*words)
         assert not good and part in said, (words, said)
         return said
 
     def facts(self, *words):
-        """What is found as lines KEY=VALUE, as attributes: numbers where it is one. A warning may stand among them several
-        times."""
+        """The answer's lines KEY=VALUE as attributes, numbers where they are numbers. The key "warning" may occur several times."""
         pairs = [line.split("=", 1) for line in self(*words).splitlines()]
         return types.SimpleNamespace(**{key: int(value) if value.isdigit() else value for key, value in pairs},
                                      warnings=[value for key, value in pairs if key == "warning"])

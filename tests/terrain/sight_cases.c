@@ -42,7 +42,7 @@ void ground_free(ground *g) {
     free(g->z);
 }
 
-/* WRONG: numbers for no data that are taken for heights. */
+/* WRONG: no-data values that are read as heights, such as -32768. */
 typedef enum roughness { SMOOTH, ROUGH, HOLES, SPIKES, WHOLE, WRONG, ROUGHNESSES } roughness;
 
 static void ground_rough(ground *g, size_t nx, size_t ny, roughness rough, random_state *r, const double map[3][4]) {

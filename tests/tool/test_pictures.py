@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures by `cellwalk render`: exit statuses, messages, and what is left behind; of terrain every pixel of level land from straight above; haze, water, sky and sun; land beyond the horizon of
-a sea; against closed forms."""
+"""Pictures by `cellwalk render`: exit statuses, messages, and files left behind. Terrain is compared with closed forms: every pixel of
+level land from straight above, haze, water, sky and sun, and land beyond the horizon of a sea."""
 import os
 import re
 

@@ -76,7 +76,7 @@ bool cw_one(const cw_field *field, cw_one_fn *walk, const cw_ray *rays, size_t n
 
 /* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the instruction sets of simd/isas.cmake */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
-cw_short_fn cw_short4, cw_short8, cw_short16;
+cw_short_fn cw_short4, cw_short8;
 extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
 
 cw_one_fn cw_one4, cw_one8, cw_one16; /* simd/one_kernel.c */

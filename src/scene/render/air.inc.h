@@ -51,7 +51,6 @@ static void add_sky(wave *w, const wave_rays *r, const float up[3], const float 
         for (int c = 0; c < 3; c++)
             w->sum[c][r->pixel[k]] += (double)(mirrored ? r->share[c][k] * colour[c] : colour[c]);
     }
-    wave_lap(w, WAVE_FILM);
 }
 
 /* ---- haze ------------------------------------------------------------------------------------------------------------- */
@@ -92,7 +91,6 @@ static void meet_water(wave *w) {
         w->t[k] = t;
         w->shape[k] = WAVE_WATER;
     }
-    wave_lap(w, WAVE_RAYS);
 }
 
 /* The share of light that water reflects, by the cosine of the light's angle to its normal (Schlick 1994). */
@@ -144,7 +142,6 @@ static void shade_water(wave *w, wave_rays *next) {
     if (next->count == begin) return;
     next->segments[next->segment_count++] = (wave_segment){plan_home(0), begin, next->count};
     w->stats.mirror_rays += next->count - begin;
-    wave_lap(w, WAVE_SHADE);
 }
 
 #endif

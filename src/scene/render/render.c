@@ -3,7 +3,6 @@
 
 #include "wave.h"
 
-#include "clock.h"
 #include "cpus.h"
 
 #include <math.h>
@@ -103,10 +102,6 @@ static void add_stats(scene_render_stats *sum, const wave *part) {
     sum->shadow_rays += part->stats.shadow_rays;
     sum->mirror_rays += part->stats.mirror_rays;
     sum->field_queries += part->stats.field_queries;
-    sum->ray_seconds += part->stage_seconds[WAVE_RAYS];
-    sum->trace_seconds += part->stage_seconds[WAVE_TRACE];
-    sum->shade_seconds += part->stage_seconds[WAVE_SHADE];
-    sum->film_seconds += part->stage_seconds[WAVE_FILM];
 }
 
 static bool render_with(render *r, const scene_tracer *tracer, unsigned threads, scene_render_stats *stats,
@@ -178,21 +173,17 @@ bool scene_render(const scene *s, const scene_render_options *options, io_image 
     *stats = (scene_render_stats){0};
     *image = (io_image){0};
 
-    double start = clock_seconds();
     library own = {.scene = s, .query = options->query};
     own.query.pool = NULL;
     const scene_tracer standard = {&own, library_closest, library_any};
     if (options->tracer == NULL && !prepare(&own, error)) return false;
-    stats->build_seconds = options->tracer == NULL ? clock_seconds() - start : 0;
 
-    start = clock_seconds();
     render r = {.options = options, .image = image, .tile = tile_function()};
     if (!plan_make(&r.plan, s, options)) return io_fail(error, "out of memory");
     bool good = render_planned(&r, options->tracer ? options->tracer : &standard, stats, error);
     plan_free(&r.plan);
     const cw_status status = (cw_status)atomic_load(&own.status);
     if (good && status != CW_OK) good = io_fail(error, "%s", cw_last_error());
-    stats->seconds = clock_seconds() - start;
     if (!good) io_image_free(image);
     return good;
 }

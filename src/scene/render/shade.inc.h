@@ -338,7 +338,6 @@ static void shade(wave *w, const wave_rays *r, bool last, wave_rays *next) {
         if (next->count > begin)
             next->segments[next->segment_count++] = (wave_segment){plan_home(shape), begin, next->count};
     }
-    wave_lap(w, WAVE_SHADE);
 }
 
 #endif

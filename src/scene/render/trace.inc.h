@@ -175,9 +175,7 @@ static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
     for (size_t s = 0; s < r->segment_count; s++) asked = ask_segment(w, r, &r->segments[s], f, asked);
     if (asked == 0) return;
     cw_hit *answers = w->answers[f];
-    wave_lap(w, WAVE_RAYS);
     w->tracer->closest(w->tracer->context, f, w->asked, asked, answers);
-    wave_lap(w, WAVE_TRACE);
     w->stats.field_queries += asked;
     for (size_t k = 0; k < asked; k++) {
         const size_t of = w->asked_of[k];
@@ -245,7 +243,6 @@ static void trace_paths(wave *w, const wave_rays *r) {
     }
     for (size_t f = 0; f < w->plan->field_count; f++) closest_on_field(w, r, f);
     for (size_t c = w->plan->field_count; c < w->plan->shape_count; c++) closest_on_cylinder(w, r, c);
-    wave_lap(w, WAVE_RAYS);
 }
 
 /* ---- hidden lights ----------------------------------------------------------------------------------------------- */
@@ -292,9 +289,7 @@ static void hide_by_field(wave *w, const wave_shadows *s, size_t light, size_t f
             asked = ask_any(w, s, g, place, f, asked, FROM_ELSEWHERE);
     }
     if (asked == 0) return;
-    wave_lap(w, WAVE_RAYS);
     w->tracer->any(w->tracer->context, f, w->asked, asked, w->yes);
-    wave_lap(w, WAVE_TRACE);
     w->stats.field_queries += asked;
     for (size_t k = 0; k < asked; k++) w->hidden[w->asked_of[k]] |= w->yes[k] != 0;
 }
@@ -335,10 +330,8 @@ static void trace_shadows(wave *w, size_t light) {
     memset(w->hidden, 0, wave_lanes(s->count));
     for (size_t f = 0; f < p->field_count; f++) hide_by_field(w, s, light, f);
     for (size_t c = p->field_count; c < p->shape_count; c++) hide_by_cylinder(w, s, light, c);
-    wave_lap(w, WAVE_RAYS);
     for (size_t k = 0; k < s->count; k++)
         for (int c = 0; c < 3 && w->hidden[k] == 0; c++) w->sum[c][s->pixel[k]] += (double)s->light[c][k];
-    wave_lap(w, WAVE_FILM);
     w->stats.shadow_rays += s->count;
 }
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "wave.h"
 
-#include "clock.h"
-
 #include <stdlib.h>
 
 static bool allocate(wave *w, const plan *p) {
@@ -25,7 +23,6 @@ wave *wave_create(const plan *p, const scene_tracer *tracer) {
     if (w == NULL) return NULL;
     w->plan = p;
     w->tracer = tracer;
-    w->last = clock_seconds();
     if (allocate(w, p)) return w;
     wave_free(w);
     return NULL;

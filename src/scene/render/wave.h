@@ -6,7 +6,6 @@
 #ifndef CELLWALK_SCENE_WAVE_H
 #define CELLWALK_SCENE_WAVE_H
 
-#include "clock.h"
 #include "plan.h"
 
 enum {
@@ -117,9 +116,6 @@ typedef struct wave_probes {
     float right[WAVE_PROBES], down[WAVE_PROBES];
 } wave_probes;
 
-/* Where time goes. Each moment of a thread belongs to one of these. */
-typedef enum wave_stage { WAVE_RAYS, WAVE_TRACE, WAVE_SHADE, WAVE_FILM, WAVE_STAGES } wave_stage;
-
 typedef struct wave {
     const plan *plan;
     const scene_tracer *tracer;
@@ -143,19 +139,11 @@ typedef struct wave {
 
     double sum[3][WAVE_TILE * WAVE_TILE]; /* over the samples of each pixel */
     scene_render_stats stats;
-    double stage_seconds[WAVE_STAGES], last; /* clock at the last change of stage */
 } wave;
 
 /* NULL when out of memory. */
 wave *wave_create(const plan *p, const scene_tracer *tracer);
 void wave_free(wave *w);
-
-/* Ends a stage: the time since the last call belongs to it. */
-static inline void wave_lap(wave *w, wave_stage stage) {
-    const double time = clock_seconds();
-    w->stage_seconds[stage] += time - w->last;
-    w->last = time;
-}
 
 /* A part of the picture. */
 typedef struct wave_region {

@@ -53,7 +53,6 @@ static void put_pixels(wave *w, size_t x, size_t y, const wave_region *region, i
 wave_tile_fn CELLWALK_TILE;
 void CELLWALK_TILE(wave *w, size_t x, size_t y, const wave_region *region, io_image *image) {
     memset(w->sum, 0, sizeof w->sum);
-    wave_lap(w, WAVE_FILM);
     /* A tile's samples are divided into the same waves for any region, so that a pixel's sum is made in the same
      * order. */
     for (uint32_t first = 0; first < w->plan->samples; first += WAVE_SAMPLES) {
@@ -62,5 +61,4 @@ void CELLWALK_TILE(wave *w, size_t x, size_t y, const wave_region *region, io_im
         run_waves(w);
     }
     put_pixels(w, x, y, region, image);
-    wave_lap(w, WAVE_FILM);
 }
