@@ -1,193 +1,128 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "exact.h"
+/* What doubles cannot decide, in GMP's floating-point numbers. Products of three floats and sums of some of them lie between 2^-447
+ * and 2^400 in size, so 1024 bits hold them: nothing but a quotient is rounded. */
+#include "oracle_walk.h"
 
 #include <limits.h>
-#include <math.h>
-#include <stdlib.h>
 
-/* value = whole · 2^exponent, whole odd or at most 24 bits long; false for zero. */
-static bool split(float value, long *whole, int *exponent) {
-    if (value == 0) return false;
-    *whole = (long)ldexpf(frexpf(value, exponent), 24);
-    *exponent -= 24;
-    while (*whole % 2 == 0) {
-        *whole /= 2;
-        ++*exponent;
-    }
-    return true;
+enum { RIGHT, RISE, RUN, NUM, DEN, OTHER_NUM, OTHER_DEN, D0, D1, X = D0, Y = D1 };
+
+void exact_init(oracle *o) {
+    for (int k = 0; k < EXACT_NUMBERS; k++) mpf_init2(o->number[k], 1024);
 }
 
-static void lower_exponent(float value, int *lowest) {
-    long whole;
-    int exponent;
-    if (isfinite(value) && split(value, &whole, &exponent) && exponent < *lowest) *lowest = exponent;
+void exact_clear(oracle *o) {
+    for (int k = 0; k < EXACT_NUMBERS; k++) mpf_clear(o->number[k]);
 }
 
-/* value / 2^scale, which is whole. */
-static void load(mpz_t to, float value, long scale) {
-    long whole;
-    int exponent;
-    mpz_set_si(to, 0);
-    if (!split(value, &whole, &exponent)) return;
-    mpz_set_si(to, whole);
-    mpz_mul_2exp(to, to, (unsigned long)(exponent - scale));
+/* to = a - b */
+static void set_difference(oracle *o, mpf_ptr to, double a, double b) {
+    mpf_set_d(to, a);
+    mpf_set_d(o->number[RIGHT], b);
+    mpf_sub(to, to, o->number[RIGHT]);
 }
 
-void exact_init(exact *e, const float *samples, size_t n) {
-    e->ready = false;
-    e->field_exponent = 0;
-    for (size_t k = 0; k < n; k++) lower_exponent(samples[k], &e->field_exponent);
-    mpz_inits(e->ox, e->oy, e->dx, e->dy, e->oz, e->dz, e->num_a, e->den_a, e->num_b, e->den_b, e->h, e->ha, e->hb,
-              e->x, e->y, e->z, e->sum, (mpz_ptr)NULL);
-}
-
-void exact_clear(exact *e) {
-    mpz_clears(e->ox, e->oy, e->dx, e->dy, e->oz, e->dz, e->num_a, e->den_a, e->num_b, e->den_b, e->h, e->ha, e->hb,
-               e->x, e->y, e->z, e->sum, (mpz_ptr)NULL);
-}
-
-void exact_ray(exact *e, const cw_ray *ray) {
-    e->ray = ray;
-    e->ready = false;
-}
-
-/* Most rays never need this. */
-static void make_ready(exact *e) {
-    if (e->ready) return;
-    const cw_ray *r = e->ray;
-    int plane = 0, height = e->field_exponent;
-    for (int c = 0; c < 2; c++) {
-        lower_exponent(r->org[c], &plane);
-        lower_exponent(r->dir[c], &plane);
-    }
-    lower_exponent(r->org[2], &height);
-    lower_exponent(r->dir[2], &height);
-    e->plane_scale = plane;
-    e->height_scale = height;
-    load(e->ox, r->org[0], plane);
-    load(e->oy, r->org[1], plane);
-    load(e->dx, r->dir[0], plane);
-    load(e->dy, r->dir[1], plane);
-    load(e->oz, r->org[2], height);
-    load(e->dz, r->dir[2], height);
-    e->ready = true;
-}
-
-/* to += number cells, in units of the plane. */
-static void add_cells(exact *e, mpz_t to, long number) {
-    mpz_set_si(e->sum, number);
-    mpz_mul_2exp(e->sum, e->sum, (unsigned long)-e->plane_scale);
-    mpz_add(to, to, e->sum);
+/* to -= (a - b) (c - d) */
+static void subtract_product(oracle *o, mpf_ptr to, double a, double b, double c, double d) {
+    mpf_ptr rise = o->number[RISE], run = o->number[RUN];
+    set_difference(o, rise, a, b);
+    set_difference(o, run, c, d);
+    mpf_mul(rise, rise, run);
+    mpf_sub(to, to, rise);
 }
 
 /* t = num / den, den > 0. */
-static void ratio(exact *e, const crossing *at, mpz_t num, mpz_t den) {
-    long whole = 0;
-    int exponent = 0;
-    switch (at->kind) {
-    case CROSSING_X:
-        mpz_neg(num, e->ox);
-        mpz_set(den, e->dx);
-        break;
-    case CROSSING_Y:
-        mpz_neg(num, e->oy);
-        mpz_set(den, e->dy);
-        break;
-    case CROSSING_DIAGONAL:
-        mpz_sub(num, e->oy, e->ox);
-        mpz_sub(den, e->dx, e->dy);
-        break;
-    case CROSSING_CONSTANT:
-        split(at->constant, &whole, &exponent);
-        mpz_set_si(num, whole);
-        mpz_set_si(den, 1);
-        mpz_mul_2exp(exponent > 0 ? num : den, exponent > 0 ? num : den, (unsigned long)labs((long)exponent));
+static void ratio(oracle *o, const crossing *at, mpf_ptr num, mpf_ptr den) {
+    const bool y = at->kind == CROSSING_Y, diagonal = at->kind == CROSSING_DIAGONAL;
+    if (at->kind == CROSSING_CONSTANT) {
+        mpf_set_d(num, (double)at->constant);
+        mpf_set_ui(den, 1);
         return;
     }
-    add_cells(e, num, at->number);
-    if (mpz_sgn(den) < 0) {
-        mpz_neg(num, num);
-        mpz_neg(den, den);
+    set_difference(o, num, (double)at->number, y ? o->oy : o->ox);
+    if (diagonal) {
+        mpf_set_d(den, o->oy);
+        mpf_add(num, num, den);
     }
+    set_difference(o, den, y ? o->dy : o->dx, diagonal ? o->dy : 0);
+    if (mpf_sgn(den) > 0) return;
+    mpf_neg(num, num);
+    mpf_neg(den, den);
 }
 
-int exact_order(exact *e, const crossing *a, const crossing *b) {
-    make_ready(e);
-    ratio(e, a, e->num_a, e->den_a);
-    ratio(e, b, e->num_b, e->den_b);
-    mpz_mul(e->num_a, e->num_a, e->den_b);
-    mpz_mul(e->num_b, e->num_b, e->den_a);
-    return mpz_cmp(e->num_a, e->num_b);
+int exact_order(oracle *o, const crossing *a, const crossing *b) {
+    mpf_ptr num = o->number[NUM], den = o->number[DEN];
+    ratio(o, a, num, o->number[OTHER_DEN]);
+    ratio(o, b, o->number[OTHER_NUM], den);
+    mpf_mul(num, num, den);
+    mpf_mul(den, o->number[OTHER_NUM], o->number[OTHER_DEN]);
+    return mpf_cmp(num, den);
 }
 
-static double quotient(const mpz_t num, const mpz_t den) {
-    long num_exponent, den_exponent;
-    const double n = mpz_get_d_2exp(&num_exponent, num), d = mpz_get_d_2exp(&den_exponent, den);
-    return ldexp(n / d, (int)(num_exponent - den_exponent));
+static double quotient(mpf_ptr num, mpf_ptr den) {
+    mpf_div(num, num, den);
+    return mpf_get_d(num);
 }
 
-double exact_value(exact *e, const crossing *at) {
+double exact_value(oracle *o, const crossing *at) {
     if (at->error <= 0x1p-50 * fabs(at->t)) return at->t;
-    make_ready(e);
-    ratio(e, at, e->num_a, e->den_a);
-    return quotient(e->num_a, e->den_a);
+    ratio(o, at, o->number[NUM], o->number[DEN]);
+    return quotient(o->number[NUM], o->number[DEN]);
 }
 
-static void load_plane(exact *e, const exact_plane *p) {
-    load(e->h, p->h, e->height_scale);
-    load(e->ha, p->a1, e->height_scale);
-    load(e->sum, p->a0, e->height_scale);
-    mpz_sub(e->ha, e->ha, e->sum);
-    load(e->hb, p->b1, e->height_scale);
-    load(e->sum, p->b0, e->height_scale);
-    mpz_sub(e->hb, e->hb, e->sum);
+/* d(t) = D0 + D1 t above a triangle's plane. */
+static void set_height(oracle *o, const oracle_triangle *t) {
+    const plane p = oracle_plane(o, t);
+    mpf_ptr d0 = o->number[D0], d1 = o->number[D1];
+    set_difference(o, d0, o->oz, p.h);
+    subtract_product(o, d0, p.a1, p.a0, o->ox, t->i);
+    subtract_product(o, d0, p.b1, p.b0, o->oy, t->j);
+    mpf_set_d(d1, o->dz);
+    subtract_product(o, d1, p.a1, p.a0, o->dx, 0);
+    subtract_product(o, d1, p.b1, p.b0, o->dy, 0);
 }
 
-int exact_side(exact *e, const crossing *at, const exact_plane *p) {
-    make_ready(e);
-    load_plane(e, p);
-    ratio(e, at, e->num_a, e->den_a);
-    /* All times den: place within the cell, height above h. */
-    mpz_set(e->x, e->ox);
-    add_cells(e, e->x, -(long)p->i);
-    mpz_mul(e->x, e->x, e->den_a);
-    mpz_addmul(e->x, e->num_a, e->dx);
-    mpz_set(e->y, e->oy);
-    add_cells(e, e->y, -(long)p->j);
-    mpz_mul(e->y, e->y, e->den_a);
-    mpz_addmul(e->y, e->num_a, e->dy);
-    mpz_sub(e->z, e->oz, e->h);
-    mpz_mul(e->z, e->z, e->den_a);
-    mpz_addmul(e->z, e->num_a, e->dz);
-    /* All times one cell. */
-    mpz_mul_2exp(e->z, e->z, (unsigned long)-e->plane_scale);
-    mpz_submul(e->z, e->ha, e->x);
-    mpz_submul(e->z, e->hb, e->y);
-    return mpz_sgn(e->z);
+int exact_side(oracle *o, const crossing *at, const oracle_triangle *t) {
+    mpf_ptr d0 = o->number[D0], d1 = o->number[D1];
+    set_height(o, t);
+    ratio(o, at, o->number[NUM], o->number[DEN]);
+    mpf_mul(d0, d0, o->number[DEN]);
+    mpf_mul(d1, d1, o->number[NUM]);
+    mpf_add(d0, d0, d1);
+    return mpf_sgn(d0);
 }
 
-double exact_meet(exact *e, const exact_plane *p) {
-    make_ready(e);
-    load_plane(e, p);
-    mpz_set(e->x, e->ox);
-    add_cells(e, e->x, -(long)p->i);
-    mpz_set(e->y, e->oy);
-    add_cells(e, e->y, -(long)p->j);
-    mpz_sub(e->num_a, e->h, e->oz);
-    mpz_mul_2exp(e->num_a, e->num_a, (unsigned long)-e->plane_scale);
-    mpz_addmul(e->num_a, e->ha, e->x);
-    mpz_addmul(e->num_a, e->hb, e->y);
-    mpz_mul_2exp(e->den_a, e->dz, (unsigned long)-e->plane_scale);
-    mpz_submul(e->den_a, e->ha, e->dx);
-    mpz_submul(e->den_a, e->hb, e->dy);
-    return quotient(e->num_a, e->den_a);
+double exact_meet(oracle *o, const oracle_triangle *t) {
+    set_height(o, t);
+    mpf_neg(o->number[D0], o->number[D0]);
+    return quotient(o->number[D0], o->number[D1]);
 }
 
-bool exact_diagonal(exact *e, int32_t *floor) {
-    make_ready(e);
-    mpz_sub(e->x, e->ox, e->oy);
-    const bool whole = mpz_divisible_2exp_p(e->x, (unsigned long)-e->plane_scale) != 0;
-    mpz_fdiv_q_2exp(e->x, e->x, (unsigned long)-e->plane_scale);
-    *floor = mpz_fits_sint_p(e->x) ? (int32_t)mpz_get_si(e->x) : INT_MIN;
+bool exact_diagonal(oracle *o, int32_t *floor) {
+    mpf_ptr x = o->number[X];
+    set_difference(o, x, o->ox, o->oy);
+    const bool whole = mpf_integer_p(x) != 0;
+    mpf_floor(x, x);
+    *floor = mpf_fits_sint_p(x) ? (int32_t)mpf_get_si(x) : INT_MIN;
     return whole;
+}
+
+bool exact_within(oracle *o, const oracle_triangle *t, double at, double height, double place) {
+    mpf_ptr d = o->number[D0], x = o->number[X], y = o->number[Y], time = o->number[NUM];
+    set_height(o, t);
+    mpf_set_d(time, at);
+    mpf_mul(o->number[D1], o->number[D1], time);
+    mpf_add(d, d, o->number[D1]);
+    mpf_abs(d, d);
+    if (mpf_cmp_d(d, height) > 0) return false;
+    /* 0 <= y <= x <= 1 in A, 0 <= x <= y <= 1 in B. */
+    set_difference(o, x, o->ox, t->i);
+    subtract_product(o, x, 0, o->dx, at, 0);
+    set_difference(o, y, o->oy, t->j);
+    subtract_product(o, y, 0, o->dy, at, 0);
+    if (t->triangle == CW_TRIANGLE_B) mpf_swap(x, y);
+    if (mpf_cmp_d(y, -place) < 0) return false;
+    mpf_sub(y, x, y);
+    mpf_sub_ui(x, x, 1);
+    return mpf_cmp_d(y, -place) >= 0 && mpf_cmp_d(x, place) <= 0;
 }

@@ -81,7 +81,7 @@ static double value(oracle *o, const crossing *c) {
     const double height = fabs(o->oz) + fabs(c->t * o->dz) + fmax(fabs(o->low), fabs(o->top));
     const double moves = fabs(o->dx) + fabs(o->dy);
     if (c->error * moves <= 0x1p-40 * place && c->error * fabs(o->dz) <= 0x1p-40 * height) return c->t;
-    return exact_value(&o->numbers, c);
+    return exact_value(o, c);
 }
 
 /* The part of a segment that is safe from holes and borders; empty if a > b. */
@@ -201,7 +201,7 @@ bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *o
            (side > 0 ? z - o->top > error : o->low - z > error);
 }
 
-hit_check oracle_check(const oracle *o, const cw_hit *hit) {
+hit_check oracle_check(oracle *o, const cw_hit *hit) {
     const oracle_triangle t = {hit->i, hit->j, hit->triangle};
     hit_check c = {.holds = false};
     if (!oracle_solid(o, t.i, t.j, t.triangle) || !(hit->t >= o->ray.tmin && hit->t <= o->ray.tmax)) return c;
@@ -216,7 +216,7 @@ hit_check oracle_check(const oracle *o, const cw_hit *hit) {
     const double apart_uncertainty = part * c.apart_most + bounds_place_evaluation(&o->bounds, at);
     c.uncertain = fabs(c.apart - c.apart_most) <= apart_uncertainty || fabs(d - error) <= d_uncertainty;
     if (c.uncertain)
-        c.holds = oracle_exactly_within(o, &t, at, error, c.apart_most);
+        c.holds = exact_within(o, &t, at, error, c.apart_most);
     else
         c.holds = c.apart <= c.apart_most && c.residual <= 1;
     return c;
@@ -249,7 +249,7 @@ static void check_digits(const oracle *o, const cw_hit *hit, judgement *j) {
     j->place_bound = 1.25 * 0x1p-24 + 2 * place;
 }
 
-judgement oracle_judge(const oracle *o, const cw_hit *hit) {
+judgement oracle_judge(oracle *o, const cw_hit *hit) {
     const oracle_truth *truth = &o->truth;
     judgement j = {.verdict = VERDICT_RIGHT};
     if (hit->i < 0) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The exact walk. Doubles decide wherever their error cannot matter, whole numbers (exact.h) where it could; so the walk
+/* The exact walk. Doubles decide wherever their error cannot matter, exact numbers (exact.c) where it could; so the walk
  * is as fast as the kernels on most rays and never wrong on any. */
 
 #include "oracle_walk.h"
@@ -16,21 +16,15 @@ bool oracle_solid(const oracle *o, int32_t i, int32_t j, uint32_t triangle) {
     return isfinite(sample(o, i, j)) && isfinite(third) && isfinite(sample(o, i + 1, j + 1));
 }
 
-static exact_plane plane_of(const oracle *o, const oracle_triangle *t) {
-    const float h00 = sample(o, t->i, t->j), h11 = sample(o, t->i + 1, t->j + 1);
-    if (t->triangle == CW_TRIANGLE_A) {
-        const float h10 = sample(o, t->i + 1, t->j);
-        return (exact_plane){t->i, t->j, h00, h10, h00, h11, h10};
-    }
-    const float h01 = sample(o, t->i, t->j + 1);
-    return (exact_plane){t->i, t->j, h00, h11, h01, h01, h00};
-}
-
 plane oracle_plane(const oracle *o, const oracle_triangle *t) {
-    const exact_plane p = plane_of(o, t);
-    const double h = (double)p.h, a1 = (double)p.a1, a0 = (double)p.a0, b1 = (double)p.b1, b0 = (double)p.b0;
-    const double high = fmax(fmax(fabs(a1), fabs(a0)), fmax(fabs(b1), fabs(b0)));
-    return (plane){h, a1 - a0, b1 - b0, high};
+    const double h00 = (double)sample(o, t->i, t->j), h11 = (double)sample(o, t->i + 1, t->j + 1);
+    const bool a = t->triangle == CW_TRIANGLE_A;
+    const double corner = (double)(a ? sample(o, t->i + 1, t->j) : sample(o, t->i, t->j + 1));
+    plane p = {
+        .h = h00, .a1 = a ? corner : h11, .a0 = a ? h00 : corner, .b1 = a ? h11 : corner, .b0 = a ? corner : h00};
+    p.a = p.a1 - p.a0;
+    p.b = p.b1 - p.b0;
+    return p;
 }
 
 double oracle_height(const oracle *o, const oracle_triangle *t, double at) {
@@ -74,7 +68,7 @@ oracle *oracle_create(const float *samples, size_t nx, size_t ny) {
     o->ny = ny;
     o->cell = malloc((nx - 1) * (ny - 1) * sizeof *o->cell);
     o->segment = malloc((3 * (nx + ny) + 8) * sizeof *o->segment);
-    exact_init(&o->numbers, samples, nx * ny);
+    exact_init(o);
     if (o->cell == NULL || o->segment == NULL) {
         oracle_destroy(o);
         return NULL;
@@ -102,7 +96,7 @@ oracle *oracle_create(const float *samples, size_t nx, size_t ny) {
 
 void oracle_destroy(oracle *o) {
     if (o == NULL) return;
-    exact_clear(&o->numbers);
+    exact_clear(o);
     free(o->cell);
     free(o->segment);
     free(o);
@@ -130,21 +124,21 @@ static crossing constant(float t) { return (crossing){.kind = CROSSING_CONSTANT,
 static int order(oracle *o, const crossing *a, const crossing *b) {
     const double gap = a->t - b->t;
     if (fabs(gap) > a->error + b->error) return gap > 0 ? 1 : -1;
-    return exact_order(&o->numbers, a, b);
+    return exact_order(o, a, b);
 }
 
 /* Sign of d at a crossing, above a triangle. */
 static int side(oracle *o, const oracle_triangle *t, const crossing *at) {
     const plane p = oracle_plane(o, t);
     const double reach = fabs(p.a) + fabs(p.b);
+    const double highest = fmax(fmax(fabs(p.a1), fabs(p.a0)), fmax(fabs(p.b1), fabs(p.b0)));
     const double size =
-        fabs(o->oz) + fabs(at->t * o->dz) + p.high +
+        fabs(o->oz) + fabs(at->t * o->dz) + highest +
         reach * (fabs(o->ox) + fabs(o->oy) + fabs(at->t * o->dx) + fabs(at->t * o->dy) + t->i + t->j + 2);
     const double error = 0x1p-48 * size + at->error * (fabs(o->dz) + reach * (fabs(o->dx) + fabs(o->dy)));
     const double d = oracle_height(o, t, at->t);
     if (fabs(d) > error) return d > 0 ? 1 : -1;
-    const exact_plane whole = plane_of(o, t);
-    return exact_side(&o->numbers, at, &whole);
+    return exact_side(o, at, t);
 }
 
 /* ---- the walk ---------------------------------------------------------------------------------------------------- */
@@ -186,7 +180,7 @@ static axis axis_at(oracle *o, crossing_kind kind, double origin, double directi
     axis a = {.kind = kind, .step = (direction > 0) - (direction < 0)};
     if (a.step == 0) {
         if (kind == CROSSING_DIAGONAL) {
-            a.on = exact_diagonal(&o->numbers, &a.number);
+            a.on = exact_diagonal(o, &a.number);
         } else {
             a.number = (int32_t)floor(origin);
             a.on = floor(origin) == origin;
@@ -241,7 +235,7 @@ static void add_triangles(const oracle *o, segment *s, position x, position y, p
 static void hit_at(oracle *o, const crossing *at, const segment *place) {
     oracle_truth *truth = &o->truth;
     truth->hit = true;
-    truth->t = exact_value(&o->numbers, at);
+    truth->t = exact_value(o, at);
     truth->at = place->solid;
     for (unsigned k = 0; k < place->solid; k++) truth->triangle[k] = place->triangle[k];
 }
@@ -262,9 +256,8 @@ static void search(oracle *o, const segment *s, axis axes[3]) {
         add_triangles(o, &place, at_end(o, &axes[0], &s->to), at_end(o, &axes[1], &s->to), at_end(o, &axes[2], &s->to));
         hit_at(o, &s->to, &place);
     } else if (s->side_from != s->side_to) {
-        const exact_plane p = plane_of(o, &s->triangle[0]);
         hit_at(o, &s->from, s);
-        o->truth.t = exact_meet(&o->numbers, &p);
+        o->truth.t = exact_meet(o, &s->triangle[0]);
     }
 }
 
@@ -287,7 +280,7 @@ static void walk(oracle *o, crossing start, crossing end) {
             s->side_from = side(o, &s->triangle[0], &s->from);
             s->side_to = side(o, &s->triangle[0], &s->to);
             if (!o->truth.hit) search(o, s, axes);
-            if (s->side_from == 0 && s->side_to == 0 && o->truth.t == exact_value(&o->numbers, &s->from))
+            if (s->side_from == 0 && s->side_to == 0 && o->truth.t == exact_value(o, &s->from))
                 o->truth.coplanar = true;
             if (last * s->side_from < 0 || (s->side_from ? s->side_from : last) * s->side_to < 0)
                 o->truth.strict_pass = true;
@@ -342,7 +335,6 @@ const oracle_truth *oracle_trace(oracle *o, const cw_ray *ray) {
     o->truth = (oracle_truth){.t = (double)INFINITY};
     o->segments = 0;
     if (!oracle_ray(o, ray)) return &o->truth;
-    exact_ray(&o->numbers, &o->ray);
     crossing start = constant(o->ray.tmin), end = constant(o->ray.tmax);
     if (!clip(o, CROSSING_X, o->ox, o->dx, o->nx, &start, &end)) return &o->truth;
     if (!clip(o, CROSSING_Y, o->oy, o->dy, o->ny, &start, &end)) return &o->truth;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The exact oracle: where a ray meets a height field, decided in integers of any length. Floats are whole multiples of
- * powers of two, so nothing is rounded. It shares no code with the library; only the structs of its header.
+/* The exact oracle: where a ray meets a height field, decided in numbers so long that
+ * nothing is rounded. It shares no code with the library; only the structs of its header.
  *
  * The exact answer to a ray: the smallest t in [tmin, tmax] at which org + t · dir lies on a closed triangle without a
  * hole; with the header's conventions (direction components of at most 2^-128 are zero, those above 2^126 infinite, t is
@@ -86,7 +86,7 @@ static inline bool digits_hold(const judgement *j) {
 }
 
 /* Judges an answer to the ray last traced. */
-judgement oracle_judge(const oracle *o, const cw_hit *hit);
+judgement oracle_judge(oracle *o, const cw_hit *hit);
 
 /* ---- without tracing: for rays of which the truth is known by construction --------------------------------------- */
 
@@ -99,7 +99,7 @@ bool oracle_ray(oracle *o, const cw_ray *ray);
 bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *over);
 
 /* What oracle_judge looks at first: is a hit where the present ray and the surface are, within the bounds? Doubles decide
- * where their error cannot matter, rational numbers where it could. */
+ * where their error cannot matter, exact numbers where it could. */
 typedef struct hit_check {
     bool holds;      /* no phantom */
     bool uncertain;  /* doubles could not decide */
@@ -107,6 +107,6 @@ typedef struct hit_check {
     double error;    /* the bound that residual is relative to */
     double apart, apart_most;
 } hit_check;
-hit_check oracle_check(const oracle *o, const cw_hit *hit);
+hit_check oracle_check(oracle *o, const cw_hit *hit);
 
 #endif

@@ -10,99 +10,61 @@
 #include <math.h>
 #include <stdio.h>
 
-#include <gmp.h>
+enum { T0, T1, FIRST, P, Q, WAY, U, V, ONE, F, NUMBERS = F + 8 };
 
-/* f0 + f1 t for rationals. */
-typedef struct linear {
-    mpq_t f0, f1;
-} linear;
+/* q[P] is the ray's coordinate c at t = 0 or 1. */
+static void place(mpq_t *q, const cw_ray *ray, int c, int t) {
+    mpq_set_d(q[P], (double)ray->org[c]);
+    mpq_set_d(q[Q], t ? (double)ray->dir[c] : 0);
+    mpq_add(q[P], q[P], q[Q]);
+}
 
-static void linear_init(linear *l) { mpq_inits(l->f0, l->f1, (mpq_ptr)NULL); }
-static void linear_clear(linear *l) { mpq_clears(l->f0, l->f1, (mpq_ptr)NULL); }
-
-/* l = c + a x + b y + z, with x, y, z the ray's place; the factors are floats, so doubles hold them exactly. */
-static void set_linear(linear *l, const cw_ray *ray, double c, double a, double b, double z) {
-    const double factor[3] = {a, b, z};
-    mpq_t p, q;
-    mpq_inits(p, q, (mpq_ptr)NULL);
-    mpq_set_d(l->f0, c);
-    mpq_set_ui(l->f1, 0, 1);
-    for (int k = 0; k < 3; k++) {
-        mpq_set_d(p, factor[k]);
-        mpq_set_d(q, (double)ray->org[k]);
-        mpq_mul(q, q, p);
-        mpq_add(l->f0, l->f0, q);
-        mpq_set_d(q, (double)ray->dir[k]);
-        mpq_mul(q, q, p);
-        mpq_add(l->f1, l->f1, q);
+/* Cuts [T0, T1] down to where sign times what is f[0] at t = 0 and f[1] at t = 1, and linear in between, is >= 0. */
+static void cut(mpq_t *q, mpq_t *f, int sign) {
+    mpq_sub(q[WAY], f[1], f[0]);
+    const int way = sign * mpq_sgn(q[WAY]);
+    if (way == 0) {
+        if (sign * mpq_sgn(f[0]) < 0) mpq_sub(q[T1], q[T0], q[ONE]);
+        return;
     }
-    mpq_clears(p, q, (mpq_ptr)NULL);
+    mpq_div(q[P], f[0], q[WAY]);
+    mpq_neg(q[P], q[P]);
+    if (way > 0 && mpq_cmp(q[P], q[T0]) > 0) mpq_set(q[T0], q[P]);
+    if (way < 0 && mpq_cmp(q[P], q[T1]) < 0) mpq_set(q[T1], q[P]);
 }
 
-/* l -= h (c + a x + b y) */
-static void subtract(linear *l, const cw_ray *ray, float h, double c, double a, double b) {
-    linear m;
-    mpq_t q;
-    linear_init(&m);
-    mpq_init(q);
-    set_linear(&m, ray, c, a, b, 0);
-    mpq_set_d(q, (double)h);
-    mpq_mul(m.f0, m.f0, q);
-    mpq_mul(m.f1, m.f1, q);
-    mpq_sub(l->f0, l->f0, m.f0);
-    mpq_sub(l->f1, l->f1, m.f1);
-    mpq_clear(q);
-    linear_clear(&m);
-}
-
-/* Cuts [t0, t1] down to where l >= 0; false if nothing is left. */
-static bool cut(const linear *l, mpq_t t0, mpq_t t1) {
-    const int way = mpq_sgn(l->f1);
-    if (way == 0) return mpq_sgn(l->f0) >= 0;
-    mpq_t root;
-    mpq_init(root);
-    mpq_div(root, l->f0, l->f1);
-    mpq_neg(root, root);
-    if (way > 0 && mpq_cmp(root, t0) > 0) mpq_set(t0, root);
-    if (way < 0 && mpq_cmp(root, t1) < 0) mpq_set(t1, root);
-    mpq_clear(root);
-    return mpq_cmp(t0, t1) <= 0;
-}
-
-/* The first t on one closed triangle: the t at which three barycentric coordinates are >= 0 and d = 0. */
-static bool meet(const test_field *f, const cw_ray *ray, int32_t i, int32_t j, uint32_t triangle, mpq_t t) {
+/* T0 becomes the first t on one closed triangle: the t at which three barycentric coordinates are >= 0 and the ray is as high as the mean of the
+ * corners that they weigh. */
+static bool meet(mpq_t *q, const test_field *f, const cw_ray *ray, int32_t i, int32_t j, uint32_t triangle) {
     const float *h = &f->z[(size_t)j * f->nx + (size_t)i];
     const bool a = triangle == CW_TRIANGLE_A;
-    const float corner = a ? h[1] : h[f->nx], h00 = h[0], h11 = h[f->nx + 1];
-    if (!isfinite(corner) || !isfinite(h00) || !isfinite(h11)) return false;
-    const double x = (double)i, y = (double)j;
-    /* Weights of (i, j), the corner and (i + 1, j + 1) as c + a x + b y. */
-    const double weight[3][3] = {{1 + (a ? x : y), a ? -1 : 0, a ? 0 : -1},
-                                 {a ? y - x : x - y, a ? 1 : -1, a ? -1 : 1},
-                                 {a ? -y : -x, a ? 0 : 1, a ? 1 : 0}};
-    linear d, edge;
-    mpq_t t0, t1;
-    linear_init(&d);
-    linear_init(&edge);
-    mpq_inits(t0, t1, (mpq_ptr)NULL);
-    mpq_set_d(t0, (double)ray->tmin);
-    mpq_set_d(t1, (double)ray->tmax);
-    set_linear(&d, ray, 0, 0, 0, 1);
-    const float height[3] = {h00, corner, h11};
-    for (int k = 0; k < 3; k++) subtract(&d, ray, height[k], weight[k][0], weight[k][1], weight[k][2]);
-    bool hit = mpq_cmp(t0, t1) <= 0 && cut(&d, t0, t1); /* above */
-    mpq_neg(d.f0, d.f0);
-    mpq_neg(d.f1, d.f1);
-    hit = hit && cut(&d, t0, t1); /* and below */
-    for (int k = 0; hit && k < 3; k++) {
-        set_linear(&edge, ray, weight[k][0], weight[k][1], weight[k][2], 0);
-        hit = cut(&edge, t0, t1);
+    const float height[3] = {h[0], a ? h[1] : h[f->nx], h[f->nx + 1]};
+    if (!isfinite(height[0]) || !isfinite(height[1]) || !isfinite(height[2])) return false;
+    mpq_t *above = &q[F + 6];
+    for (int at = 0; at < 2; at++) {
+        /* U: along the axis on which the triangle's middle corner lies, V: along the other one. */
+        for (int c = 0; c < 2; c++) {
+            place(q, ray, c, at);
+            mpq_set_si(q[Q], c ? j : i, 1);
+            mpq_sub(q[a == (c == 0) ? U : V], q[P], q[Q]);
+        }
+        mpq_sub(q[F + at], q[ONE], q[U]);
+        mpq_sub(q[F + 2 + at], q[U], q[V]);
+        mpq_set(q[F + 4 + at], q[V]);
+        place(q, ray, 2, at);
+        mpq_set(above[at], q[P]);
+        for (int k = 0; k < 3; k++) {
+            mpq_set_d(q[Q], (double)height[k]);
+            mpq_mul(q[Q], q[Q], q[F + 2 * k + at]);
+            mpq_sub(above[at], above[at], q[Q]);
+        }
     }
-    mpq_set(t, t0);
-    mpq_clears(t0, t1, (mpq_ptr)NULL);
-    linear_clear(&edge);
-    linear_clear(&d);
-    return hit;
+    mpq_set_d(q[T0], (double)ray->tmin);
+    mpq_set_d(q[T1], (double)ray->tmax);
+    cut(q, above, 1);
+    cut(q, above, -1);
+    for (int k = 0; k < 3; k++) cut(q, &q[F + 2 * k], 1);
+    return mpq_cmp(q[T0], q[T1]) <= 0;
 }
 
 static bool named(const oracle_truth *truth, int32_t i, int32_t j, uint32_t triangle) {
@@ -128,24 +90,26 @@ static void compare(const test_field *f, const cw_ray *given, const oracle_truth
     }
     bool hit = false;
     unsigned same_t = 0, found = 0;
-    mpq_t t, first;
-    mpq_inits(t, first, (mpq_ptr)NULL);
-    for (int turn = 0; turn < 2; turn++) /* the first t, then who else has it */
-        for (int32_t j = 0; j < (int32_t)f->ny - 1; j++)
-            for (int32_t i = 0; i < (int32_t)f->nx - 1; i++)
-                for (uint32_t triangle = 0; triangle < 2; triangle++) {
-                    if (!meet(f, &ray, i, j, triangle, t)) continue;
-                    if (turn == 0 && (!hit || mpq_cmp(t, first) < 0)) mpq_set(first, t);
-                    hit = true;
-                    if (turn == 0 || mpq_cmp(t, first) != 0) continue;
-                    same_t++;
-                    found += named(truth, i, j, triangle);
-                }
-    const double rational = hit ? mpq_get_d(first) : (double)INFINITY;
+    mpq_t q[NUMBERS];
+    for (int k = 0; k < NUMBERS; k++) mpq_init(q[k]);
+    mpq_set_ui(q[ONE], 1, 1);
+    for (int32_t j = 0; j < (int32_t)f->ny - 1; j++)
+        for (int32_t i = 0; i < (int32_t)f->nx - 1; i++)
+            for (uint32_t triangle = 0; triangle < 2; triangle++) {
+                if (!meet(q, f, &ray, i, j, triangle)) continue;
+                const int order = hit ? mpq_cmp(q[T0], q[FIRST]) : -1;
+                if (order > 0) continue;
+                if (order < 0) same_t = found = 0;
+                mpq_set(q[FIRST], q[T0]);
+                hit = true;
+                same_t++;
+                found += named(truth, i, j, triangle);
+            }
+    const double rational = hit ? mpq_get_d(q[FIRST]) : (double)INFINITY;
     const bool right =
         hit == truth->hit &&
         (!hit || (fabs(rational - truth->t) <= 0x1p-49 * fabs(rational) && same_t == truth->at && found == same_t));
-    mpq_clears(t, first, (mpq_ptr)NULL);
+    for (int k = 0; k < NUMBERS; k++) mpq_clear(q[k]);
     if (right) return;
     field_print(f);
     ray_print(given);
@@ -204,13 +168,13 @@ static void test_uncertain_hits_are_decided(void **state) {
         const double near = 1 - 0x1p-20, far = 1 + 0x1p-20, anything = 100;
         if (d > 0x1p-10) {
             heights++;
-            check(oracle_exactly_within(o, &t, at, d * far, anything), "height: not within a bound just above");
-            check(!oracle_exactly_within(o, &t, at, d * near, anything), "height: within a bound just below");
+            check(exact_within(o, &t, at, d * far, anything), "height: not within a bound just above");
+            check(!exact_within(o, &t, at, d * near, anything), "height: within a bound just below");
         }
         if (outside > 0x1p-10) {
             places++;
-            check(oracle_exactly_within(o, &t, at, anything, outside * far), "place: not within a bound just above");
-            check(!oracle_exactly_within(o, &t, at, anything, outside * near), "place: within a bound just below");
+            check(exact_within(o, &t, at, anything, outside * far), "place: not within a bound just above");
+            check(!exact_within(o, &t, at, anything, outside * near), "place: within a bound just below");
         }
     }
     oracle_destroy(o);

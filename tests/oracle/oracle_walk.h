@@ -4,13 +4,24 @@
 #define CELLWALK_TESTS_ORACLE_WALK_H
 
 #include "bounds.h"
-#include "exact.h"
 #include "oracle.h"
 
-/* A plane in double: height h at (i, j), a along x, b along y. */
+#include <gmp.h>
+
+/* What a crossing is with: x = number, y = number, x - y = number, or t = constant. */
+typedef enum crossing_kind { CROSSING_X, CROSSING_Y, CROSSING_DIAGONAL, CROSSING_CONSTANT } crossing_kind;
+
+/* A t of interest. */
+typedef struct crossing {
+    crossing_kind kind;
+    int32_t number;
+    float constant;
+    double t, error; /* |t - exact t| <= error */
+} crossing;
+
+/* The plane through a triangle: height h at (i, j); rises a1 - a0 along x and b1 - b0 along y, which a and b are in double. */
 typedef struct plane {
-    double h, a, b;
-    double high; /* largest sample, in size */
+    double h, a1, a0, b1, b0, a, b;
 } plane;
 
 /* The ray between two crossings: over one triangle, or along an edge between two, or still on a vertex of six. */
@@ -30,6 +41,7 @@ typedef struct cell_bounds {
     bool all_solid;   /* no hole and no border of the field within reach */
 } cell_bounds;
 
+enum { EXACT_NUMBERS = 9 };
 struct oracle {
     const float *z;
     size_t nx, ny;
@@ -37,7 +49,7 @@ struct oracle {
     double low, top; /* over samples */
     cell_bounds *cell;
     cell_bounds all;
-    exact numbers;
+    mpf_t number[EXACT_NUMBERS]; /* exact.c */
 
     cw_ray ray; /* with the header's conventions applied */
     double ox, oy, oz, dx, dy, dz;
@@ -56,8 +68,25 @@ double oracle_height(const oracle *o, const oracle_triangle *t, double at);
 /* judge.c: looks for the clear pass among the segments. */
 void oracle_find_pass(oracle *o);
 
-/* rational.c, in rational numbers: is the present ray at a hit's t within height of the triangle's plane and within place of
- * the triangle, measured along x or y or as x - y? */
-bool oracle_exactly_within(const oracle *o, const oracle_triangle *t, double at, double height, double place);
+/* ---- exact.c: the present ray, with nothing rounded ----------------------------------------------------------------- */
+
+void exact_init(oracle *o);
+void exact_clear(oracle *o);
+
+/* Sign of a - b. */
+int exact_order(oracle *o, const crossing *a, const crossing *b);
+
+/* Sign of the ray's height above a triangle's plane at a crossing. */
+int exact_side(oracle *o, const crossing *at, const oracle_triangle *t);
+
+/* The t of a crossing, and that at which the ray meets a plane to which it is not parallel; off by less than 2^-50 relative. */
+double exact_value(oracle *o, const crossing *at);
+double exact_meet(oracle *o, const oracle_triangle *t);
+
+/* Is x - y of the origin whole; *floor of it. */
+bool exact_diagonal(oracle *o, int32_t *floor);
+
+/* Is the ray at a hit's t within height of the triangle's plane and within place of the triangle, measured along x or y or as x - y? */
+bool exact_within(oracle *o, const oracle_triangle *t, double at, double height, double place);
 
 #endif
