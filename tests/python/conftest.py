@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of the Python module share: the program to compare with, and fields on maps of three kinds."""
+"""What the tests of the Python module share: the program to compare with, and fields on maps of some kinds."""
 import os
-import subprocess
 
 import numpy as np
 import pytest
+from program import DIVISOR, TURN, run
 
 import cellwalk as cw
 
 UTM = 'EPSG:32632'
-
-DIVISOR, TURN = (int(os.environ.get(f"CELLWALK_TEST_{name}", least)) for name, least in (("DIVIDE", 1), ("TURN", 0)))
 
 
 def share(examples):
@@ -60,23 +58,11 @@ def random_rays(field, n, seed=2, dtype=np.float64):
     return rays.astype(dtype)
 
 
-@pytest.fixture(scope="session")
-def program():
-    """Runs the program cellwalk: exit status and what it printed."""
-    path = os.environ.get("CELLWALK_PROGRAM")
-    if not path:
-        pytest.skip("CELLWALK_PROGRAM does not name the program cellwalk")
-    return lambda *words: subprocess.run([path, *map(str, words)], capture_output=True, text=True)
-
-
-@pytest.fixture(scope="session")
-def tool(program):
-    """The same for what must succeed, or must fail: standard output, or what is said of the failure."""
-    def run(*words, fails=False):
-        done = program(*words)
-        assert (done.returncode != 0) == fails, done.stderr
-        return done.stderr if fails else done.stdout
-    return run
+def tool(*words, fails=False):
+    """The program is run, which must succeed, or must fail: standard output, or what is said of the failure."""
+    done = run(*words)
+    assert (done.status != 0) == fails, (words, done.err)
+    return done.err if fails else done.out
 
 
 class Ground:
@@ -84,6 +70,40 @@ class Ground:
 
     def __init__(self, path, field):
         self.path, self.field = path, field
+
+
+class Places:
+    """Of the terrain, as both are given them."""
+
+    def __init__(self, ground):
+        f, plain = ground.field, ground.path.suffix == ".npy"
+        x0, y0, x1, y1 = f.bounds
+        self.xs = np.array([x0 + share * (x1 - x0) for share in (0.37, 0.8, 0.5)])
+        self.ys = np.array([y0 + share * (y1 - y0) for share in (0.61, 0.2, 0.45)])
+        self.side = [(x0 + s * (x1 - x0), y0 + t * (y1 - y0)) for s, t in ((0.5137, 0.4561), (0.7913, 0.2039))]
+        self.far, self.near = (12.5, 4.0) if plain else (410.0, 120.0)
+        # The program has the first row of a file without a map in the north, and y counts from the last.
+        self.northward = (lambda y: f.shape[0] - 1 - y) if plain else (lambda y: y)
+        self.known, self.beyond = not plain, (x1 + 0.2 * (x1 - x0), y1)
+        self.at = [f"{x!r},{self.northward(y)!r}" for x, y in zip(self.xs.tolist(), self.ys.tolist())]
+
+    def spot(self, k, *height):
+        return (float(self.xs[k]), float(self.ys[k]), *height)
+
+    def inside(self, f):
+        """Samples on the right of a line, and so inside what files() writes."""
+        x, y = np.moveaxis(np.mgrid[:f.shape[1], :f.shape[0]].T @ f.map[:2, :2].T + f.map[:2, 3], -1, 0)
+        (ax, ay), (bx, by) = self.side
+        return (bx - ax) * (y - ay) < (by - ay) * (x - ax)
+
+    def words(self, text):
+        return text.format(a=self.at[0], b=self.at[1], c=self.at[2], far=self.far, near=self.near).split()
+
+    def window(self, f, part):
+        """A part of the rows and columns as the program takes it."""
+        (x0, x1), (y0, y1) = f.map[:2, :2] @ [[part[1].start, part[1].stop - 1], [part[0].start, part[0].stop - 1]] + f.map[:2, 3:]
+        low, high = sorted((self.northward(y0), self.northward(y1)))
+        return f"--window={x0!r},{low!r},{x1!r},{high!r}"
 
 
 GROUNDS = "plain", "utm", "turned", "degrees", "mercator"

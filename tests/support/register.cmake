@@ -184,7 +184,8 @@ endfunction()
 # program with emulated kernels.
 function(cellwalk_tool_test name)
     cmake_parse_arguments(PARSE_ARGV 1 row "" "KERNELS;SECONDS" "NEEDS")
-    set(environment CELLWALK_SOURCE=${PROJECT_SOURCE_DIR} CELLWALK_TEST_SLOW=${scale_down})
+    set(environment CELLWALK_SOURCE=${PROJECT_SOURCE_DIR} CELLWALK_TEST_SLOW=${scale_down} PYTHONPATH=${words_path} PYTEST_PLUGINS=words
+        CELLWALK_PROGRAMS=${CMAKE_CURRENT_BINARY_DIR})
     foreach(given IN ITEMS "PRELOAD;cellwalk_test_preload;" "BENCH;cellwalk_bench;" "MODULES;cellwalk_gdal;_DIR")
         list(POP_FRONT given variable target folder)
         if(TARGET ${target})

@@ -1,8 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
-import os
-import tempfile
-
-import pytest
 from program import takes
 
 
@@ -10,13 +6,3 @@ def pytest_collection_modifyitems(items):
     """Where all have run elsewhere, one test in five is taken, and one case in five of a test's own: it is the program's start that takes time.
     Those of one file are numbered through, so that the turn brings each about."""
     items[:] = [item for k, item in enumerate(items) if takes(k, min(5, len(items)))]
-
-
-@pytest.fixture(autouse=True)
-def folder():
-    """Each test works in a new folder."""
-    home = os.getcwd()
-    with tempfile.TemporaryDirectory(prefix="cellwalk-test-") as place:
-        os.chdir(place)
-        yield place
-        os.chdir(home)

@@ -11,10 +11,10 @@ import signal
 import subprocess
 import tempfile
 import time
-import zlib
 
 import numpy as np
 import pytest
+from words import Files
 
 PROGRAM, BENCH, PRELOAD, SOURCE = (os.environ.get(f"CELLWALK_{name}", "") for name in ("PROGRAM", "BENCH", "PRELOAD", "SOURCE"))
 DIVISOR, TURN, SLOW = (int(os.environ.get(f"CELLWALK_TEST_{name}", least)) for name, least in (("DIVIDE", 1), ("TURN", 0), ("SLOW", 1)))
@@ -314,32 +314,11 @@ def needs_real():
 
 
 def exr(name):
-    """The pixels of a picture as the program writes it, (rows, columns, RGB) in floats: lines of halves, packed by zlib."""
-    data = read(name)
-    at, attributes = 8, {}
-    while data[at]:
-        (key, kind), start = data[at:].split(b"\0", 2)[:2], at
-        start += len(key) + len(kind) + 2
-        size = int.from_bytes(data[start:start + 4], "little")
-        attributes[key], at = data[start + 4:start + 4 + size], start + 4 + size
-    assert attributes[b"compression"] == b"\3"  # 16 lines at once
-    x0, y0, x1, y1 = np.frombuffer(attributes[b"dataWindow"], "<i4")
-    names = [part.split(b"\0")[0] for part in attributes[b"channels"].split(b"\1\0\0\0\1\0\0\0")[:-1]]
-    names = [name[-1:].decode() for name in names]
-    width, height = x1 - x0 + 1, y1 - y0 + 1
-    offsets = np.frombuffer(data, "<u8", -(-height // 16), at + 1)
-    pixels = np.empty((height, len(names), width), "<f2")
-    for k, offset in enumerate(offsets.astype(int)):
-        size = int.from_bytes(data[offset + 4:offset + 8], "little")
-        part = pixels[16 * k:16 * k + 16]
-        packed = data[offset + 8:offset + 8 + size]
-        if size < part.nbytes:
-            steps = np.frombuffer(zlib.decompress(packed), np.uint8).astype(np.int64)
-            halves = ((np.cumsum(steps) - 128 * np.arange(len(steps))) % 256).astype(np.uint8)
-            packed = np.empty(len(halves), np.uint8)
-            packed[0::2], packed[1::2] = np.split(halves, [(len(halves) + 1) // 2])
-        part[:] = np.frombuffer(bytes(packed), "<f2").reshape(part.shape)
-    return np.moveaxis(pixels[:, [names.index(c) for c in "RGB"]], 1, 2).astype(np.float32)
+    """The pixels of a picture, (rows, columns, RGB) in floats."""
+    files = Files()
+    width, height = map(int, files("image", name).split())
+    files.end()
+    return np.fromfile("halves", "<f2").reshape(height, width, 4)[..., :3].astype(np.float32)
 
 
 def picture(*words, **setting):

@@ -1,108 +1,211 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the program says to bad input, and that it leaves nothing behind."""
+"""Command lines that are refused: the exit status, what is said, and that nothing is left behind."""
 import os
 import re
-import signal
-import subprocess
-import sys
+import shlex
 
 import numpy as np
 import pytest
-from program import (PROGRAM, commands, end, entries, info, interrupted, only_hidden, needs_room, npy, rays, read, refused, run, shell, start,
-                     wait_for_input, wait_for_output, write)
+from program import SCENE, commands, info, library, needs_room, npy, rays, read, refused, run, write
 
-TRACE = "trace", "field.npy", "rays.npy"
+# The status, a part of the message, and the words. Of {a;b} each is tried.
+LINES = r"""
+2 | did you mean trace? | tarce
+2 | unknown option '--verbose' | --verbose
+2 | FIELD is missing | trace
+2 | RAYS.npy is missing | trace wall.npy
+2 | nothing to do | trace wall.npy rays.npy
+2 | 'hits.npy' is one argument too many | trace wall.npy rays.npy hits.npy
+2 | --output needs a value | trace wall.npy rays.npy -o
+2 | --output needs a value | trace wall.npy rays.npy -o ''
+2 | unknown option -x | trace wall.npy rays.npy -x
+2 | Try 'cellwalk trace --help'. | trace wall.npy rays.npy -x
+2 | --kernal; did you mean --kernel? | trace wall.npy rays.npy --kernal=cell
+2 | unknown option --any | trace wall.npy rays.npy --any
+2 | --json takes no value | trace wall.npy rays.npy --json=yes
+2 | 'celt' is unknown; did you mean cell? | trace wall.npy rays.npy --json --kernel celt
+2 | there are default, moller-trumbore, watertight | trace wall.npy rays.npy --json --leaf woop
+2 | scalar, sse4.2, avx2, avx512 | trace wall.npy rays.npy --json --isa avx
+2 | from 1 to 1048576, not ' | trace wall.npy rays.npy --json --band {0;1048577}
+2 | --threads takes | trace wall.npy rays.npy --json --threads {-1;1.5;4x;99999999999999999999}
+2 | standard output cannot take both | trace wall.npy rays.npy -o - --json
+2 | --occluded finds no hit | trace wall.npy rays.npy --occluded --points -o no.npy
+2 | brute does not have the leaf test watertight | trace wall.npy rays.npy --json --kernel brute --leaf watertight
+2 | 'b' is one argument too many | info a b
+1 | --json: cannot read | info -- --json
+2 | --distance goes with none of | horizon wall.npy --distance --svf -o no.npy
+2 | do not go together | horizon wall.npy --at 1,2 --places pairs.csv
+2 | go with none of --svf | horizon wall.npy --at 1,2 {--svf;--window 0,0,9,9}
+1 | no room for 32 bands | horizon wall.npy -o no.png
+1 | no.tif: is a raster's name | horizon wall.npy --at 5,5 -o no.tif
+2 | --max-distance takes metres above 0 | horizon wall.npy --max-distance 0 -o no.npy
+2 | --cog goes with -o FILE.tif | shadow wall.npy --sun 0,9 --cog -o no.npy
+2 | --co goes with -o FILE.tif | shadow wall.npy --sun 0,9 --co A=B -o no.npy
+1 | so the sun's place at a time is not known; give --sun | {shadow;render} wall.npy --time 2024-06-21T12:00:00Z -o no.{npy;exr}
+2 | either --sun or --time | shadow wall.npy -o no.npy
+2 | --sun 0,91: the second number is the altitude, and 91 degrees is none; the azimuth is first | {shadow;render} wall.npy --sun 0,91 -o no.{npy;exr}
+2 | give -o FILE | shadow wall.npy --sun 0,30
+1 | the name's ending tells no format | shadow wall.npy --sun 0,30 -o no.xyz
+1 | is the terrain itself | shadow wall.npy --sun 0,30 -o ./wall.npy
+2 | --cellsize takes a number above 0 | shadow wall.npy --sun 0,30 --cellsize 0 -o no.npy
+1 | has one band, not 2 | shadow wall.npy --sun 0,30 --band 2 -o no.npy
+2 | --window takes XMIN,YMIN,XMAX,YMAX | shadow wall.npy --sun 0,30 --window 1,2,3 -o no.npy
+1 | no sample is in it; they go from 0,0 to 590,490 | shadow wall.npy --cellsize 10 --sun 0,30 --window {5000,0,6000,10;20,0,10,10} -o no.npy
+2 | --memory takes a number of bytes | shadow wall.npy --sun 0,30 --memory 2X -o no.npy
+1 | 60 x 50 samples matter at once, which need --memory 1M; there is 0.03M | horizon wall.npy --memory 0.03M -o no.npy
+2 | --from X,Y is missing | viewshed wall.npy -o no.npy
+1 | is too far away | viewshed wall.npy --from 3,1e308,=9 -o no.npy
+2 | unknown option --height; the height of a place is its third number: X,Y,H | viewshed wall.npy --from 1,2 --height 3 -o no.npy
+2 | takes metres above 0, not 0 | viewshed wall.npy --from 1,2 {--max-distance;--every} 0 -o no.npy
+2 | --max-distance takes metres above 0 | visibility wall.npy --max-distance 0 -o no.npy
+1 | no sample is within 5 m of any observer | viewshed wall.npy --cellsize 10 --from 9000,0,=9 --max-distance 5 -o no.npy
+2 | do not go together | viewshed wall.npy --observers t.csv --from 1,2 -o no.npy
+2 | --layer goes with --observers | viewshed wall.npy --layer a --from 1,2 -o no.npy
+2 | takes two places or more | viewshed wall.npy --from 1,2 --every 5 -o no.npy
+2 | --every takes metres above 0, not -5 | viewshed wall.npy --observers t.csv --every -5 -o no.npy
+1 | more than 16777216 observers | viewshed wall.npy --cellsize 10 --observers t.csv --every 1e-9 -o no.npy
+1 | 9,2,=400: heights along a line are all above | viewshed wall.npy --from 1,2 --from 9,2,=400 --every 5 -o no.npy
+2 | --within goes with --table | viewshed wall.npy --observers t.csv --within a.gpkg -o no.npy
+2 | --table lists what is seen | viewshed wall.npy --observers t.csv --table no.csv --bands -o no.npy
+2 | --weights goes with --observers | viewshed wall.npy --from 1,2 --weights -o no.npy
+1 | t.csv: has no column 'weight' | viewshed wall.npy --observers t.csv --weights -o no.npy
+2 | keeps them apart | viewshed wall.npy --observers t.csv --weights --bands -o no.npy
+2 | one can be written | viewshed wall.npy --observers t.csv --weights --angle -o no.npy
+1 | is that of one observer, not of 2; --bands | viewshed wall.npy --cellsize 10 --observers t.csv {--angle;--needed} -o no.npy
+1 | a table has no layers | viewshed wall.npy --observers t.csv --layer a -o no.npy
+2 | --azimuth takes two angles | viewshed wall.npy --from 1,2 --azimuth {1;1,400} -o no.npy
+2 | the lower one first, not '5,-5' | viewshed wall.npy --from 1,2 --vertical 5,-5 -o no.npy
+2 | --vertical takes two angles | viewshed wall.npy --from 1,2 --vertical -91,0 -o no.npy
+2 | --needed looks for that height | viewshed wall.npy --from 1,2 --vertical -9,0 --needed -o no.npy
+2 | --min-distance takes metres, not -1 | viewshed wall.npy --from 1,2 --min-distance -1 -o no.npy
+2 | --min-distance 9 is more than | viewshed wall.npy --from 1,2 --min-distance 9 --max-distance=5 -o no.npy
+1 | t.npy: is also an input | viewshed wall.npy --cellsize 10 --observers t.csv -o t.npy
+1 | no room for 2 bands | viewshed wall.npy --cellsize 10 --observers t.csv --bands -o no.png
+2 | not '5' | los wall.npy 5 10,10,+2
+2 | not '1,2,=' | los wall.npy 1,2,= 10,10,2
+2 | not '1,=2' | los wall.npy 1,=2 10,10,2
+1 | is too far away | los wall.npy {1e308,1e308,=9 10,10,2;10,10,2 1e8,3,=9}
+1 | pairs.csv | los wall.npy --pairs pairs.csv -o ./pairs.csv
+2 | do not go together | los wall.npy --pairs pairs.csv 1,2 3,4
+2 | FROM is missing, or --pairs FILE | los wall.npy
+2 | TO is missing, or --pairs FILE | los wall.npy 1,2
+2 | -o goes with --pairs | los wall.npy 1,2 3,4 -o no.csv
+2 | --json goes with two places | los wall.npy --pairs pairs.csv --json
+2 | --profile needs a file that nothing else is written to | los wall.npy --pairs pairs.csv --profile -
+2 | --frequency takes megahertz from 0.1 to 1000000, not | los wall.npy 1,2 3,4 --frequency {0;-1;0.01;1e9}
+2 | --date is missing | sun wall.npy -o no.npy
+2 | --suns goes with none of --date | sun wall.npy --suns suns.csv {--date 2024;--irradiance --linke 3} -o no.npy
+1 | none.csv: cannot read | sun wall.npy --suns none.csv -o no.npy
+1 | suns.csv:3: '91' stands where an angle from -90 to 90 degrees should, in altitude | sun wall.npy --suns suns.csv {-o no.npy;--at 9,9}
+1 | head.csv: holds no places of the sun | sun wall.npy --suns head.csv -o no.npy
+1 | no.png: is a raster's name, and the result is a table; give -o FILE.csv | sun wall.npy --at 5,5,2 --lon-lat 9,47 --date 2024-06-21 -o no.png
+2 | --max-distance goes with --at | sun wall.npy --suns suns.csv --max-distance 9 -o no.npy
+2 | --max-distance takes metres above 0 | sun wall.npy --suns suns.csv --at 9,9 --max-distance={-9;0}
+2 | --tilt takes degrees | sun wall.npy --at 9,9 --lon-lat 9,47 --date 2024 --tilt flat
+2 | --facing goes with --tilt | sun wall.npy --at 9,9 --lon-lat 9,47 --date 2024 --facing 9
+2 | --date takes a day | sun wall.npy --lon-lat 9,47 --date {2024-13;2024-02-30;yesterday} -o no.npy
+1 | names no coordinate system | sun wall.npy --date 2024-06-21 -o no.npy
+2 | is before | sun wall.npy --date 2024-06-21 --to 2024-06-20 -o no.npy
+2 | divides a day | sun wall.npy --date 2024-06-21 --step 7min -o no.npy
+2 | not '15' | sun wall.npy --date 2024-06-21 --step 15 -o no.npy
+2 | go with --irradiance | sun wall.npy --date 2024-06-21 --linke 3 -o no.npy
+2 | from 1 to 10, not 0 | sun wall.npy --date 2024-06-21 --irradiance --linke 0 -o no.npy
+2 | not '7' | sun wall.npy --date 2024-06-21 --lon-lat 7 -o no.npy
+2 | longer --step | sun wall.npy --date 2000-06-21 --to 2024-06-20 --step 30s -o no.npy
+2 | a scene or a raster is missing | render -o no.exr
+2 | is for rasters | render s.pbrt {--sun 0,30;--nodata 0;--sky;--water 3;--curvature 1} -o no.exr
+2 | not 180 | render wall.npy --fov 180 -o no.exr
+2 | not '5' | render wall.npy --from 5 -o no.exr
+1 | -5,3: lies outside | render wall.npy --from -5,3 -o no.exr
+1 | the same place | render wall.npy --from 5,3,9 --to 5,3,9 -o no.exr
+2 | --haze takes a visibility in metres, above 0, not 0 | render wall.npy --haze 0 -o no.exr
+2 | either --sun or --time | render wall.npy --time 2024-06-21T12:00:00Z --sun 0,9 -o no.exr
+2 | --curvature takes a number from 0 on, not -1 | render wall.npy --curvature -1 --from 20,20 -o no.exr
+2 | give the eye's place by --from | render wall.npy --curvature 1 -o no.exr
+2 | --water is level and does not go with --curvature | render wall.npy --curvature 1 --from 20,20 --water 3 -o no.exr
+1 | lies outside | render wall.npy --curvature 1 --from -900,0 -o no.exr
+1 | missing.pbrt: cannot read: No such file | render missing.pbrt -o no.exr
+1 | s.pbrt:1: WorldBegin: no Camera | render s.pbrt -o no.exr
+2 | -o IMAGE is missing | render scene.pbrt
+2 | unknown kind of picture | render scene.pbrt -o no.jpeg
+1 | cannot write: No such file | render scene.pbrt -o none/no.exr
+2 | 'nothing' is unknown | render scene.pbrt --kernel nothing -o no.exr
+2 | samples | render scene.pbrt --samples 0 -o no.exr
+2 | not a width and a height | render scene.pbrt --size {80;80x;x60;80x0;0x60;80x60x;-80x60;' 80x60';80x65537} -o no.exr
+2 | not X0,Y0,X1,Y1 | render scene.pbrt --crop {1,2,3;1,2,3,4,;3,2,3,4;1,4,3,4;'1 2 3 4';0,0,99999999999999999999,9} -o no.exr
+1 | no part of 40 x 30 pixels | render scene.pbrt --crop 0,0,41,30 -o no.exr
+"""
+
+
+def cases():
+    for line in LINES.strip().splitlines():
+        status, why, words = (part.strip() for part in line.split("|"))
+        text = re.split(r"\{(.*?)\}", words)
+        choices = [part.split(";") for part in text[1::2]]
+        for k in range(len(choices[0]) if choices else 1):  # alternatives in two places belong together
+            yield int(status), why, "".join(part if at % 2 == 0 else choices[at // 2][k] for at, part in enumerate(text))
 
 
 @pytest.fixture(autouse=True)
 def inputs(folder):
-    np.save("field.npy", np.zeros((4, 5), np.float32))
-    rays("rays.npy", [(2.25, 1.5, k + 1) for k in range(1000)])
+    """Level land with a wall of 40 m and a hole."""
+    z = np.zeros((50, 60), np.float32)
+    z[20], z[45, 3] = 40, np.nan
+    np.save("wall.npy", z)
+    rays("rays.npy", (2.25, 1.5, 1))
+    for name, text in {"s.pbrt": "WorldBegin", "scene.pbrt": SCENE, "suns.csv": "azimuth,altitude\n1,90\n2,91\n", "head.csv": "azimuth,altitude,weight\n",
+                       "pairs.csv": "x1,y1,x2,y2\n1,2,3,4\n", "t.csv": "x,y\n100,100\n200,100\n"}.items():
+        write(name, text)
+    os.link("t.csv", "t.npy")
 
 
-def fails(status, part, *words, **setting):
-    """And prints nothing."""
-    assert refused(status, part, *words, **setting).out == ""
+@pytest.mark.parametrize("status, why, words", cases())
+def test_lines(status, why, words):
+    assert refused(status, why, *shlex.split(words)).out == ""
 
 
-@pytest.mark.parametrize("part, words", [
-    ("", ()),
-    ("did you mean trace?", ("tarce",)),
-    ("unknown option '--verbose'", ("--verbose",)),
-    ("FIELD is missing", ("trace",)),
-    ("RAYS.npy is missing", ("trace", "field.npy")),
-    ("nothing to do", TRACE),
-    ("'hits.npy' is one argument too many", (*TRACE, "hits.npy")),
-    ("--output needs a value", (*TRACE, "-o")),
-    ("--output needs a value", (*TRACE, "-o", "")),
-    ("unknown option -x\nTry 'cellwalk trace --help'.\n", (*TRACE, "-x")),
-    ("--kernal; did you mean --kernel?", (*TRACE, "--kernal=cell")),
-    ("--json takes no value", (*TRACE, "--json=yes")),
-    ("'celt' is unknown; did you mean cell?", (*TRACE, "--json", "--kernel", "celt")),
-    ("there are default, moller-trumbore, watertight", (*TRACE, "--json", "--leaf", "woop")),
-    ("scalar, sse4.2, avx2, avx512", (*TRACE, "--json", "--isa", "avx")),
-    ("from 1 to 1048576, not '0'", (*TRACE, "--json", "--band", 0)),
-    ("from 1 to 1048576, not '1048577'", (*TRACE, "--json", "--band", 1048577)),
-    ("not '-1'", (*TRACE, "--json", "--threads", -1)),
-    ("not 'two'", (*TRACE, "--json", "--threads", "two")),
-    ("not '1.5'", (*TRACE, "--json", "--threads", "1.5")),
-    ("not '4x'", (*TRACE, "--json", "--threads", "4x")),
-    ("not '99999999999999999999'", (*TRACE, "--json", "--threads=99999999999999999999")),
-    ("standard output cannot take both", (*TRACE, "-o", "-", "--json")),
-    ("'b' is one argument too many", ("info", "a", "b")),
-    ("CELLWALK_ISA 'sse' is unknown; there are scalar,", (*TRACE, "-o", "hits.npy", {"isa": "sse"})),
-    ("CELLWALK_ISA '' is unknown; there are scalar,", (*TRACE, "-o", "hits.npy", {"isa": ""})),
-    ("brute does not have the leaf test watertight", (*TRACE, "--json", "--kernel", "brute", "--leaf", "watertight"))])
-def test_bad_command_lines(part, words):
-    setting = words[-1] if words and isinstance(words[-1], dict) else {}
-    done = run(*(words[:-1] if setting else words), **setting)
-    assert done.status == 2 and part in done.err and done.out == "" and entries() == ["field.npy", "rays.npy"], done.err
+@pytest.mark.parametrize("place, why", [
+    # Column 70 does not exist, nor does row 55 from below; (5, 29) is on the wall.
+    ("70,5,2", "70,5,2: lies outside: the samples, which are the pixels' centres, go from X 0 to 59 and Y 0 to 49"),
+    ("-300,4", "-300,4: lies outside"),
+    ("20,55,+1", "20,55,+1: lies outside, but with X and Y exchanged it would not"),
+    ("59.4,5,2", "59.4,5,2: lies in the outer half of a pixel"),
+    ("3,4,2", "3,4,2: there is no data at that place"),
+    ("5,29,=39", "5,29,=39: is under the ground, which is 40.000 m high there: X,Y,H counts H from the ground"),
+    ("5,29,-1", "5,29,-1: is under the ground, which is 40.000 m high there")])
+def test_places(place, why):
+    """One meaning of a place for all: H above ground, =Z absolute, and what is wrong with one is said."""
+    for command, *more in [("viewshed", "--from", place, "-o", "v.npy"), ("horizon", "--at", place), ("los", "10,10,2", place),
+                           ("los", place, "10,10,2"), ("render", "--from", place, "-o", "v.exr"), ("render", "--to", place, "-o", "v.exr")]:
+        refused(1, why, command, "wall.npy", *more)
 
 
-def test_two_dashes_end_the_options():
-    fails(1, "--json: cannot read", "info", "--", "--json")
-    assert commands() == set(LINES)
+OBSERVERS, PAIRS = ("viewshed", "wall.npy", "--cellsize", 10, "-o", "v.npy", "--observers"), ("los", "wall.npy", "-o", "v.csv", "--profile", "w.csv", "--pairs")
 
 
-LINES = {"info": (), "trace": ("rays.npy", "-o", "o.npy"), "shadow": ("--sun", "90,10", "-o", "o.npy"), "horizon": ("-o", "o.npy"),
-         "sun": ("--date", "2024-06-21", "--lon-lat", "9,47", "--at", "1,1"), "viewshed": ("--from", "1,1", "-o", "o.npy"), "visibility": ("-o", "o.npy"),
-         "los": ("1,1", "2,2"), "render": ("--size", "8x8", "-o", "o.png")}
-# Options for which 0 is a number like others, by their help or by what they are.
-ZEROS = {"--threads", "--nodata", "--start", "--facing", "--tilt", "--curvature", "--target-height", "--observer-height", "--min-distance",
-         "--water", "--at"}
-
-
-@pytest.mark.parametrize("command", LINES)
-def test_zero_is_a_number_or_refused(command):
-    """Never what stands for an option that is not given."""
-    np.save("field.npy", np.arange(20, dtype=np.float32).reshape(4, 5))
-    options = re.findall(r"^      (--[a-z-]+) [A-Z]+$|^      (--[a-z-]+) [A-Z]+  ", run(command, "--help").out, re.M)
-    assert options and run(command, "field.npy", *LINES[command]).status == 0
-    for option in {one or other for one, other in options} - {"--memory", "--co", "--table", "--profile"}:
-        done = run(command, "field.npy", *LINES[command], option, 0)
-        assert option in ZEROS if done.status == 0 else done.err.startswith("cellwalk"), (option, done.status, done.err)
-
-
-def test_eyes_far_apart_take_no_more_memory():
-    """One eye is the least; land of 40 x 50 samples asked for gigabytes. Where eyes are few, --memory reckons with the margins beside them."""
-    np.save("field.npy", np.arange(2000, dtype=np.float32).reshape(40, 50) % 7)
-    for every in 50, 1 << 20:
-        assert run("visibility", "field.npy", "--every", every, "-o", f"{every}.npy", memory=0 if needs_room() else 300 << 20).status == 0
-    assert read("50.npy") == read(f"{1 << 20}.npy")
-    np.save("field.npy", np.zeros((1000, 1000), np.float32))
-    words = "visibility", "field.npy", "--directions", 1, "-o", "o.npy"
-    fails(1, "matter at once, which need --memory", *words, "--every", 500, "--memory", "90M")
-
-
-def test_kernels_out_of_reach():
-    assert run(*TRACE, "-o", "hits.npy", isa="scalar").status == 0
-    if not any(kernel["name"] == "packet4" for kernel in info()["kernels"]):
-        return  # a build without them
-    packet = *TRACE, "--json", "--kernel", "packet4"
-    fails(2, "--kernel packet4 needs sse4.2; this machine, or the limit set by --isa or CELLWALK_ISA, has scalar", *packet, isa="scalar")
-    fails(2, "--kernel packet4 needs sse4.2", *packet, "--isa", "scalar")
-    # The variable is an upper bound: no option lifts it.
-    fails(2, "--isa sse4.2: this machine, or CELLWALK_ISA, allows no more than scalar", *TRACE, "--json", "--isa", "sse4.2", isa="scalar")
+@pytest.mark.parametrize("command, text, why", [
+    *((OBSERVERS, text, why) for text, why in [
+        ("", "is empty; its first line should name the columns"),
+        ("x,y\n", "holds no places"),
+        ("a,y\n1,2\n", "has no column 'x'; its first line names a, y"),
+        ("x,y\n100,100\n100,two\n", ":3: 'two' stands where a number should, in y"),
+        ("x,y,height\n100,100,=\n", ":2: '=' stands where a height, as 2 or =1250, should, in height"),
+        ("x,y,weight\n100,100,heavy\n", ":2: 'heavy' stands where a number should, in weight"),
+        ("x,y\r\n100,100\r\n\r\n700,100\r\n", ":4: 700,100,2: lies outside"),
+        ("x,y\n1e300,1\n", ":2: 1e+300,1,2: is too far away"),
+        ("x,y,height\n100,100,=-500\n", ":2: 100,100,=-500: is under the ground"),
+        ("name,x,y\nFar Mast,-9,1\n", ":2 (Far Mast): -9,1,2: lies outside"),
+        (b"\xff\xfex", "has no column 'x'")]),
+    *((PAIRS, text, why) for text, why in [
+        ("x1,y1,x2\n1,2,3\n", "has no column 'y2'; its first line names x1, y1, x2"),
+        ("x1,y1,x2,y2\n", "holds no pairs"),
+        ("x1,y1,x2,y2\n1,2,3,5\n1,2,b,4\n", ":3: 'b' stands where a number should, in x2"),
+        ("x1,y1,x2,y2\n1,2,3,5\n1,2,3,999\n", ":3: 3,999,0: lies outside"),
+        ("x1,y1,height1,x2,y2\n1,2,low,3,4\n", ":2: 'low' stands where a height")])])
+def test_tables(command, text, why):
+    """What is in the cells; ../io/test_files.py has what tables are made of."""
+    write("bad.csv", text)
+    refused(1, f"bad.csv{why}" if why.startswith(":") else f"bad.csv: {why}", *command, "bad.csv")
 
 
 SEA = 'Shape "heightfield" "integer nu" [2] "integer nv" [2] "float Pz" [0 1 2 3]\n'
@@ -114,142 +217,69 @@ SEA = 'Shape "heightfield" "integer nu" [2] "integer nv" [2] "float Pz" [0 1 2 3
     ("flat.npy", ("<f4", "(16,)", 64), "flat.npy: shape (16,), but rays are (N, 8)"),
     ("huge.npy", ("<f4", "(1000000000, 8)", 64), "huge.npy: truncated: shape (1000000000, 8)"),
     (".", None, ".: cannot read: Is a directory"),
-    ("/dev/null", None, "/dev/null: cannot read: not a regular file"),
     ("row.npy", ("<f4", "(1, 16)", 64), "row.npy: 16 x 1 samples: "),
-    ("none.npy", ("<f4", "(0, 16)", 0), "none.npy: shape (0, 16) holds no samples"),
     ("cube.npy", ("<f4", "(2, 2, 4)", 64), "cube.npy: shape (2, 2, 4), but a raster is (rows, columns)"),
-    ("bytes.npy", ("|u1", "(8, 8)", 64), "bytes.npy: holds elements of type '|u1'"),
     ("sea.pbrt", SEA, "cellwalk trace: sea.pbrt: "),
     ("absent.npy", None, "absent.npy: cannot read: No such file"),
     ("field", None, "cellwalk trace: field: ")])
-def test_bad_rays_and_fields(name, made, part):
+def test_rays_and_fields(name, made, part):
     """What is wrong with an array of rays, or with a field."""
     if isinstance(made, str):
         write(name, made)
     elif made:
         npy(name, *made[:2], bytes(made[2]))
-    is_field = "field" in part or "samples" in part or "raster" in part or "|u1" in part or "pbrt" in part
-    fails(1, part, "trace", *((name, "rays.npy") if is_field else ("field.npy", name)), "-o", "hits.npy")
+    is_field = "field" in part or "samples" in part or "raster" in part or "pbrt" in part
+    assert refused(1, part, "trace", *((name, "rays.npy") if is_field else ("wall.npy", name)), "-o", "hits.npy").out == ""
 
 
-# ---- outputs --------------------------------------------------------------------------------------------------------------
+def test_eyes_far_apart_take_no_more_memory():
+    """One eye is the least; land of 40 x 50 samples asked for gigabytes. Where eyes are few, --memory reckons with the margins beside them."""
+    np.save("field.npy", np.arange(2000, dtype=np.float32).reshape(40, 50) % 7)
+    for every in 50, 1 << 20:
+        assert run("visibility", "field.npy", "--every", every, "-o", f"{every}.npy", memory=0 if needs_room() else 300 << 20).status == 0
+    assert read("50.npy") == read(f"{1 << 20}.npy")
+    np.save("field.npy", np.zeros((1000, 1000), np.float32))
+    words = "visibility", "field.npy", "--directions", 1, "-o", "o.npy"
+    refused(1, "matter at once, which need --memory", *words, "--every", 500, "--memory", "90M")
 
 
-def test_full_disks():
-    for output, why in ("/dev/full", "No space left on device"), ("absent/hits.npy", "No such file"), (".", "Is a directory"):
-        fails(1, f"{output}: cannot write: {why}", *TRACE, "-o", output)
-    write("hits.npy", "old")
-    # A disk quota shows in the same way as this limit; the file that was there stays.
-    fails(1, "hits.npy: cannot write: File too large", *TRACE, "-o", "hits.npy", file_size=8192)
-    assert read("hits.npy") == b"old"
-    fails(1, "No space left", *TRACE, "-o", "/dev/full", "--json")  # and no time is told of a run that failed
+@pytest.mark.parametrize("isa", ["sse", ""])
+def test_instruction_sets(isa):
+    refused(2, f"CELLWALK_ISA '{isa}' is unknown; there are scalar,", "trace", "wall.npy", "rays.npy", "-o", "no.npy", isa=isa)
 
 
-def test_directories_without_permission():
-    os.mkdir("closed", 0o555)
-    try:
-        run("--version", powerless=True)
-    except subprocess.SubprocessError:
-        pytest.skip("root that may not give up its rights")
-    fails(1, "closed/hits.npy: cannot write: Permission denied", *TRACE, "-o", "closed/hits.npy", powerless=True)
-    # A file can be replaced wherever its directory may be written to; but its owner wants it to stay.
-    write("hits.npy", "old")
-    os.chmod("hits.npy", 0o444)
-    fails(1, "hits.npy: cannot write: Permission denied", *TRACE, "-o", "hits.npy", powerless=True)
+def test_kernels_out_of_reach():
+    trace = "trace", "wall.npy", "rays.npy", "--json"
+    assert run(*trace, isa="scalar").status == 0
+    if not any(kernel["name"] == "packet4" for kernel in info()["kernels"]):
+        return  # a build without them
+    packet = *trace, "--kernel", "packet4"
+    refused(2, "--kernel packet4 needs sse4.2; this machine, or the limit set by --isa or CELLWALK_ISA, has scalar", *packet, isa="scalar")
+    refused(2, "--kernel packet4 needs sse4.2", *packet, "--isa", "scalar")
+    # The variable is an upper bound: no option lifts it.
+    refused(2, "--isa sse4.2: this machine, or CELLWALK_ISA, allows no more than scalar", *trace, "--isa", "sse4.2", isa="scalar")
 
 
-def test_inputs_as_outputs():
-    """What is read is never replaced by what is written, by whatever name."""
-    before = read("field.npy")
-    os.link("field.npy", "again.npy")
-    os.symlink("rays.npy", "same.npy")
-    for name in "field.npy", "rays.npy", "./field.npy", "again.npy", "same.npy":
-        fails(1, f"{name}: is also an input", *TRACE, "-o", name)
-    assert read("field.npy") == before
+GOOD = {"info": (), "trace": ("rays.npy", "-o", "o.npy"), "shadow": ("--sun", "90,10", "-o", "o.npy"), "horizon": ("-o", "o.npy"),
+        "sun": ("--date", "2024-06-21", "--lon-lat", "9,47", "--at", "1,1"), "viewshed": ("--from", "1,1", "-o", "o.npy"), "visibility": ("-o", "o.npy"),
+        "los": ("1,1", "2,2"), "render": ("--size", "8x8", "-o", "o.png")}
+# Options for which 0 is a number like others, by their help or by what they are.
+ZEROS = {"--threads", "--nodata", "--start", "--facing", "--tilt", "--curvature", "--target-height", "--observer-height", "--min-distance",
+         "--water", "--at"}
 
 
-def test_parts_of_a_scene_as_outputs():
-    write("scene.pbrt", 'Camera "perspective"\nWorldBegin\nTexture "t" "color" "imagemap" "string filename" "image.exr"\n'
-          'Material "matte" "texture Kd" "t"\nInclude "shape.exr"\nWorldEnd\n')
-    write("shape.exr", SEA)
-    write("image.pbrt", 'Camera "perspective"\nWorldBegin\nWorldEnd\n')
-    if run("render", "image.pbrt", "-o", "image.exr").status == 0:  # with OpenEXR
-        for output in "shape.exr", "image.exr":
-            fails(1, "is also an input", "render", "scene.pbrt", "-o", output)
-
-
-def test_standard_output_and_closed_streams():
-    """A warning that cannot be shown lands in no file either."""
-    assert shell("PROGRAM trace field.npy rays.npy -o - > piped.npy && PROGRAM trace field.npy rays.npy -o hits.npy").returncode == 0
-    assert read("piped.npy") == read("hits.npy")
-    done = shell("PROGRAM info > /dev/full")
-    assert done.returncode != 0 and done.stderr == "cellwalk: cannot write to standard output: No space left on device\n"
-    z = np.zeros((4, 5), np.float32)
-    z[0, 0] = -9999
-    np.save("warns.npy", z)
-    done = shell("PROGRAM trace warns.npy rays.npy -o hits.npy")
-    assert done.returncode == 0 and "-9999" in done.stderr
-    for closed in "<&- 2>&-", ">&- 2>&-", "<&- >&- 2>&-", "2>&-":
-        assert shell(f"PROGRAM trace warns.npy rays.npy -o again.npy {closed}").returncode == 0
-        assert read("again.npy") == read("hits.npy"), closed
-
-
-# ---- endings --------------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def minutes():
-    """A query by brute force that takes so long."""
-    np.save("large.npy", np.zeros((1000, 1000), np.float32))
-    rays("many.npy", np.tile([5.5, 5, 1], (100000, 1)))
-    return "trace", "large.npy", "many.npy", "-o", "hits.npy", "--kernel", "brute"
-
-
-def test_killed_programs_leave_no_result(minutes):
-    before = entries()
-    process = start(*minutes)
-    wait_for_output(process)
-    process.kill()
-    assert end(process).status == 128 + signal.SIGKILL
-    only_hidden(before)
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_interruptions_leave_nothing(minutes, number):
-    assert "interrupted" in interrupted(*minutes, "--threads", 2, signals=[number]).err
-
-
-def test_interruptions_do_not_wait(minutes):
-    """And a second one is the end."""
-    assert "interrupted" in interrupted(*minutes, input="many.npy").err  # rays are read for the query that traces them
-    interrupted(*minutes, signals=[signal.SIGINT, signal.SIGTERM])
-
-
-CONTAINER = """
-import ctypes, os, signal, sys, time
-if ctypes.CDLL(None).unshare(0x30000000) != 0:  # CLONE_NEWUSER and CLONE_NEWPID
-    sys.exit("no namespaces")
-process = os.spawnv(os.P_NOWAIT, sys.argv[1], sys.argv[1:])
-while not any(name.endswith(".tmp") for name in os.listdir()):
-    time.sleep(0.01)
-os.kill(process, signal.SIGINT)
-sys.exit(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]))
-"""
-
-
-def test_the_first_process_of_a_container_ends_too(minutes):
-    """The system keeps a signal from it that it sends to itself."""
-    before = entries()
-    done = subprocess.run([sys.executable, "-c", CONTAINER, PROGRAM, *minutes], stderr=subprocess.PIPE, text=True)
-    if "no namespaces" in done.stderr:
-        pytest.skip("no namespaces")
-    assert done.returncode == 128 + signal.SIGINT and done.stderr == "cellwalk: interrupted\n" and entries() == before
-
-
-def test_interruptions_while_reading():
-    """Here four million numbers of many digits."""
-    write("text.asc", "ncols 2000\nnrows 2000\ncellsize 1\n" + "1.2345678901234567890123456789 " * 4000000)
-    process = start("info", "text.asc")
-    wait_for_input(process, "text.asc")
-    process.terminate()
-    assert end(process).status == 128 + signal.SIGTERM
+@pytest.mark.parametrize("command", GOOD)
+def test_values_of_options(command):
+    """0 is a number like others or refused, never what stands for an option that is not given. A word that means nothing is refused with its name."""
+    assert commands() == set(GOOD)
+    np.save("field.npy", np.arange(20, dtype=np.float32).reshape(4, 5))
+    options = re.findall(r"^      (--[a-z-]+) [A-Z]+$|^      (--[a-z-]+) [A-Z]+  ", run(command, "--help").out, re.M)
+    done = run(command, "field.npy", *GOOD[command])
+    assert options and (done.status == 0 or (command == "render" and not library("libpng"))), done.err
+    for option in {one or other for one, other in options} - {"--co", "--table", "--profile"}:
+        if option != "--memory":
+            done = run(command, "field.npy", *GOOD[command], option, 0)
+            assert option in ZEROS if done.status == 0 else done.err.startswith("cellwalk"), (option, done.status, done.err)
+        if option not in ("--layer", "--places"):
+            done = run(command, "field.npy", *GOOD[command], option, "wrong")
+            assert done.status in (1, 2) and ("wrong" in done.err or option in done.err), (option, done.err)

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What files may make GDAL do, as users run the program: wait for nobody, read no memory, send no request unless asked for, and leave nothing of a
-GeoTIFF that was not finished. ../io/network_filter.c tries the filter behind that call by call."""
+"""What files may make GDAL do, as users run the program: wait for nobody, read no memory, send no request unless asked for. ../io/network_filter.c
+tries the filter behind that call by call."""
 import os
 import socket
 import threading
 
 import numpy as np
 import pytest
-from program import end, entries, needs, on_map, only_hidden, rough, run, start, vrt, wait_for_output, wait_until_read, write
+from program import needs, on_map, run, vrt, write
 
 SOON = {"seconds": 20}
 
@@ -63,34 +63,6 @@ def test_names_are_files(name):
     is_refused("cannot read", "viewshed", "field.npy", "--observers", name, "-o", "out.npy")
     is_refused("cannot read", "viewshed", "field.npy", "--from", "0,0", "--table", "t.csv", "--within", name, "-o", "out.npy")
     is_refused("cannot read", "horizon", "field.npy", "--places", name)
-
-
-@pytest.mark.parametrize("option", ["--directions=3600", "--cog"])
-def test_killed_geotiffs_leave_no_result(option):
-    np.save("rough.npy", rough(1000))
-    before = entries()
-    process = start("horizon", "rough.npy", "--directions", 3600, option, "-o", "sky.tif")
-    wait_for_output(process)
-    wait_until_read(process, "rough.npy")
-    process.kill()
-    assert end(process).status == 128 + 9
-    only_hidden(before)
-
-
-def test_a_full_disk_is_named():
-    """A limit on the size of files stands for a disk that is full."""
-    np.save("rough.npy", rough(300))
-    words = "horizon", "rough.npy", "--directions", 8, "-o", "sky.tif"
-    run(*words)
-    size = os.path.getsize("sky.tif")
-    os.unlink("sky.tif")
-    before = entries()
-    cog = "--cog", "--co=BLOCKSIZE=128"
-    # The last one fails in the COG, which with its smaller copies is larger than the GeoTIFF that it is copied from.
-    for more, limit in [(("--co=COMPRESS=NONE",), 100000), ((), 100000), (cog, 100000), (cog, size + size // 10)]:
-        done = run(*words, *more, file_size=limit)
-        assert done.status == 1 and "sky.tif: cannot write: File too large" in done.err, (more, done.err)
-        assert entries() == before
 
 
 # ---- the network ----------------------------------------------------------------------------------------------------------

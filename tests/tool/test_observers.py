@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Observers of a viewshed from tables, files of features and along lines, and what is written of them."""
+"""Observers of a viewshed from tables, files of features and along lines; ../python/test_products.py has what is counted and written of them."""
 import json
 import os
 
 import numpy as np
 import pytest
-from program import asc, interrupted, needs, on_map, read, refused, run, taken, vrt, write
+from program import asc, needs, on_map, read, refused, run, taken, vrt, write
 
 NX, NY = 60, 50
 ROWS, COLUMNS = np.mgrid[:NY, :NX]
 UTM, DEGREES = on_map(32632, 500000, 10, 0, 5200500, 0, -10), on_map(4326, 9, 0.00013, 0, 46.95, 0, -0.00009)
-PLACES = "100,100,3", "250.5,321.25,2", "400,20,=90"
-TABLE = "x,y,height\n100,100,3\n250.5,321.25,2\n400,20,=90\n"
 
 
 @pytest.fixture(autouse=True)
@@ -45,47 +43,17 @@ def from_each(*places):
 
 
 @pytest.mark.parametrize("text, says", [
-    (TABLE, None),
     ("x,y,height\n100,100,3\n250.5,321.25,\n400,20,=90", None),
-    ("\ufeffX,Y,Height\r\n100,100,3\r\n250.5,321.25,2\r\n400,20,=90\r\n", None),
-    ('\n"height" , "y",\tx\n3,100,100\n\n 2.0 , 3.2125e2 ,"250.5"\n"=90",20,400\n  \n', None),
-    ('label,x,y,height\n"a, ""b""\nc",100,100,3\nd,250.5,321.25,2\n,400,20,=90\n',
+    ('label,"height" , "Y",\tx\n"a, ""b""\nc",3,100,100\n\nd, 2.0 , 3.2125e2 ,"250.5"\n,"=90",20,400\n  \n',
      "t.csv: passed over: 'label'; columns with a meaning are x, y, height, weight and name")])
 def test_the_same_places_whatever_the_table_looks_like(text, says):
     write("t.csv", text)
     same("land.npy", from_each("100,100,3", "250.5,321.25", "400,20,=90"), ["--observers", "t.csv"], says)
 
 
-def test_a_table_of_views():
-    """A line for each observer, by the samples of its own view; the raster is the same as without a table. Row 0 of an array lies in the
-    north, so sample (i, j) is at (10 i, 490 - 10 j)."""
-    write("t.csv", TABLE)
-    same("land.npy", ["--observers", "t.csv"], ["--observers", "t.csv", "--table", "seen.csv"])
-    head, *lines = read("seen.csv").decode().splitlines()
-    assert head == "observer,x,y,samples,km2,farthest,farthest_x,farthest_y" and len(lines) == 3
-    for k, (place, line) in enumerate(zip(PLACES, lines), 1):
-        seen = view("land.npy", "--from", place) == 1
-        x, y = map(float, place.split(",")[:2])
-        far = np.hypot(10 * COLUMNS - x, 490 - 10 * ROWS - y)[seen].max()
-        number, at_x, at_y, samples, km2, farthest, far_x, far_y = map(float, line.split(","))
-        assert (number, at_x, at_y, samples) == (k, x, y, seen.sum()) and abs(km2 - 1e-4 * seen.sum()) < 1e-9
-        assert abs(farthest - far) < 1e-3 and abs(np.hypot(far_x - x, far_y - y) - far) < 1e-3
-    refused(2, "--table lists what is seen", "viewshed", "land.npy", "--cellsize", 10, "--observers", "t.csv", "--table", "no.csv", "--bands",
-            "-o", "o.npy")
-
-
-def test_weights_and_bands():
+def test_memory_for_sums():
+    """Sums of 8 bytes a sample count against the memory: with 4 bytes of samples, 36 kB of 150, of which a quarter may be used."""
     write("t.csv", "x,y,height,weight\n100,100,3,0.5\n250.5,321.25,2,-3\n400,20,=90,1e6\n")
-    for option in "--threads=2", "--angle", "--needed":
-        bands = view("land.npy", "--observers", "t.csv", "--bands", option)
-        alone = np.stack([view("land.npy", "--from", place, option) for place in PLACES])
-        assert bands.dtype == alone.dtype and bands.tobytes() == alone.tobytes(), option
-        if option == "--threads=2":
-            wanted = np.tensordot([0.5, -3, 1e6], alone == 1, 1).astype(np.float32)
-    sums = view("land.npy", "--observers", "t.csv", "--weights")
-    wanted[7, 9] = np.nan
-    assert sums.dtype == np.float32 and np.array_equal(sums, wanted, equal_nan=True)
-    # Sums of 8 bytes a sample count against the memory: with 4 bytes of samples, 36 kB of 150, of which a quarter may be used.
     words = "viewshed", "land.npy", "--cellsize", 10, "--observers", "t.csv"
     refused(1, "60 x 50 samples matter at once, which need --memory 1M", *words, "--weights", "--memory", "100K", "-o", "o.npy")
     same("land.npy", ["--observers", "t.csv", "--weights"], ["--observers", "t.csv", "--weights", "--memory", "150K"])
@@ -206,70 +174,3 @@ def test_features_that_are_refused():
     for name, why in [("http://127.0.0.1:9/a.geojson", "--allow-network"), ("WFS:http://127.0.0.1:9/a", "--allow-network"),
                       ("pipe.geojson", "not a regular file")]:
         refused(1, why, "viewshed", "utm.vrt", "--observers", name, "-o", "o.npy")
-
-
-# ---- refusals -------------------------------------------------------------------------------------------------------------
-
-LAND = "viewshed", "land.npy", "--cellsize", 10
-
-
-@pytest.mark.parametrize("text, why", [
-    ("", "t.csv: is empty; its first line should name the columns"),
-    ("x,y\n", "t.csv: holds no places"),
-    ("a,y\n1,2\n", "t.csv: has no column 'x'; its first line names a, y"),
-    ("100,200\n1,2\n", "t.csv: has no column 'x'; its first line names 100, 200"),
-    ("x,y\n100,100\n100,two\n", "t.csv:3: 'two' stands where a number should, in y"),
-    ("x,y\n0x10,100\n", "t.csv:2: '0x10' stands where a number should, in x"),
-    ("x,y\nnan,100\n", "t.csv:2: 'nan' stands where a number should, in x"),
-    ("x,y\n,100\n", "t.csv:2: x is empty where a number should stand"),
-    ("x,y,height\n100,100,=\n", "t.csv:2: '=' stands where a height, as 2 or =1250, should, in height"),
-    ("x,y,weight\n100,100,heavy\n", "t.csv:2: 'heavy' stands where a number should, in weight"),
-    ("x,y\r\n100,100\r\n\r\n700,100\r\n", "t.csv:4: 700,100,2: lies outside"),
-    ("x;y\n100;100\n", "t.csv:1: cells are separated by semicolons; a comma should stand between them"),
-    ("x,y\n1e300,1\n", "t.csv:2: 1e+300,1,2: is too far away"),
-    ("x,y,height\n100,100,=-500\n", "t.csv:2: 100,100,=-500: is under the ground"),
-    (b"\xff\xfex", "t.csv: has no column 'x'"),
-    (None, "t.csv: cannot read: No such file")])
-def test_tables_that_are_refused(text, why):
-    if text is not None:
-        write("t.csv", text)
-    refused(1, why, *LAND, "--observers", "t.csv", "-o", "o.npy")
-
-
-FILE = "--observers", "t.csv"
-
-
-@pytest.mark.parametrize("status, why, words", [
-    (2, "do not go together", (*FILE, "--from", "1,2")),
-    (2, "--layer goes with --observers", ("--layer", "a", "--from", "1,2")),
-    (2, "takes two places or more", ("--from", "1,2", "--every", 5)),
-    (2, "--every takes metres above 0, not -5", (*FILE, "--every", -5)),
-    (1, "more than 16777216 observers", (*FILE, "--every", 1e-9)),
-    (1, "9,2,=400: heights along a line are all above", (*from_each("1,2", "9,2,=400"), "--every", 5)),
-    (2, "--within goes with --table", (*FILE, "--within", "a.gpkg")),
-    (2, "--weights goes with --observers", ("--from", "1,2", "--weights")),
-    (1, "t.csv: has no column 'weight'", (*FILE, "--weights")),
-    (2, "keeps them apart", (*FILE, "--weights", "--bands")),
-    (2, "one can be written", (*FILE, "--weights", "--angle")),
-    (1, "is that of one observer, not of 2; --bands", (*FILE, "--angle")),
-    (2, "is that of one observer, not of 2; --bands", (*from_each("1,2", "9,2"), "--needed")),
-    (1, "a table has no layers", (*FILE, "--layer", "a")),
-    (2, "--azimuth takes two angles", ("--from", "1,2", "--azimuth", 1)),
-    (2, "--azimuth takes two angles", ("--from", "1,2", "--azimuth", "1,400")),
-    (2, "the lower one first, not '5,-5'", ("--from", "1,2", "--vertical", "5,-5")),
-    (2, "--vertical takes two angles", ("--from", "1,2", "--vertical", "-91,0")),
-    (2, "--needed looks for that height", ("--from", "1,2", "--vertical", "-9,0", "--needed")),
-    (2, "--min-distance takes metres, not -1", ("--from", "1,2", "--min-distance", -1)),
-    (2, "--min-distance 9 is more than", ("--from", "1,2", "--min-distance", 9, "--max-distance=5")),
-    (1, "t.npy: is also an input", (*FILE, "-o", "t.npy")),
-    (1, "no room for 2 bands", (*FILE, "--bands", "-o", "o.png"))])
-def test_refusals(status, why, words):
-    write("t.csv", "x,y\n100,100\n200,100\n")
-    os.link("t.csv", "t.npy")
-    refused(status, why, *LAND, "-o", "o.npy", *words)
-
-
-@pytest.mark.parametrize("bands", [(), ("--bands",)])
-def test_interruptions(bands):
-    write("t.csv", "x,y\n100,100\n400,100\n")
-    interrupted(*LAND, *FILE, "--every", 0.005, "-o", "o.npy", *bands, input="land.npy", writes=bool(bands))

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The files that the program writes, in every format: whose they are, what goes with the file that they replace, and that no two results take one
-name."""
+"""The files that the program writes, in every format: whose they are, what goes with the file that they replace, full disks, and that no result takes
+the name of an input or of another. ../io/test_outputs.py has the rules."""
 import os
 import stat
+import subprocess
 
 import numpy as np
 import pytest
-from program import entries, rays, read, refused, run, shell, write
+from program import SCENE, asc, entries, needs, rays, read, refused, run, shell, vrt, write
 
 MAP = "--cellsize", 10
 SHADOW = "shadow", "field.npy", *MAP, "--sun", "225,30"
@@ -54,6 +55,52 @@ def test_rights_stay_and_none_are_added(output):
         for name in files:
             now = os.stat(name)
             assert now.st_size > 3 and stat.S_IMODE(now.st_mode) == mode & 0o777 and now.st_uid == owner, name
+
+
+@pytest.mark.parametrize("output", FORMATS)
+def test_full_disks(output):
+    """A limit on the size of files stands for one; a quota shows in the same way. The file that was there stays, however late it is found out."""
+    make(output)
+    last = [output, *BESIDE.get(output, [])][-1]
+    size = os.path.getsize(output)
+    for name in [output, *BESIDE.get(output, [])]:
+        write(name, "old")
+    for room in {100, size // 2, size - 1} if last == output else {100}:  # a limit on what is said, too
+        refused(1, "cannot write: File too large", *FORMATS[output], "-o", output, file_size=room)
+        assert read(output) == read(last) == b"old"
+
+
+def test_targets_that_cannot_be_written_to():
+    trace = "trace", "field.npy", "rays.npy", "-o"
+    for output, why in ("/dev/full", "No space left on device"), ("absent/hits.npy", "No such file"), (".", "Is a directory"):
+        refused(1, f"{output}: cannot write: {why}", *trace, output)
+    assert refused(1, "No space left", *trace, "/dev/full", "--json").out == ""  # no time is told of a run that failed
+    os.symlink("/dev/full", "full.exr")
+    refused(1, "full.exr: cannot write: OpenEXR needs a regular file", *PICTURE, "-o", "full.exr")
+    os.mkdir("closed", 0o555)
+    write("hits.npy", "old")
+    os.chmod("hits.npy", 0o444)  # a file can be replaced wherever its directory may be written to; but its owner wants it to stay
+    try:
+        for output in "closed/hits.npy", "hits.npy":
+            refused(1, f"{output}: cannot write: Permission denied", *trace, output, powerless=True)
+    except subprocess.SubprocessError:
+        pytest.skip("root that may not give up its rights")
+
+
+def test_standard_output_and_closed_streams():
+    """A warning that cannot be shown lands in no file either."""
+    assert shell("PROGRAM trace field.npy rays.npy -o - > piped.npy && PROGRAM trace field.npy rays.npy -o hits.npy").returncode == 0
+    assert read("piped.npy") == read("hits.npy")
+    done = shell("PROGRAM info > /dev/full")
+    assert done.returncode != 0 and done.stderr == "cellwalk: cannot write to standard output: No space left on device\n"
+    z = np.load("field.npy")
+    z[0, 0] = -9999
+    np.save("warns.npy", z)
+    done = shell("PROGRAM trace warns.npy rays.npy -o hits.npy")
+    assert done.returncode == 0 and "-9999" in done.stderr
+    for closed in "<&- 2>&-", ">&- 2>&-", "<&- >&- 2>&-", "2>&-":
+        assert shell(f"PROGRAM trace warns.npy rays.npy -o again.npy {closed}").returncode == 0
+        assert read("again.npy") == read("hits.npy"), closed
 
 
 @pytest.mark.parametrize("output", SIDECARS)
@@ -107,8 +154,27 @@ def test_two_results_do_not_take_one_name():
             refused(1, "is also another output", *words)
             write(words[-3], "old")
     for words in (*seen, "-o", "out.npy", "--table", "field.npy"), (*seen, "-o", "out.npy", "--table", "places.csv"), (*at, "-o", "field.npy"), \
-            (*at, "-o", "places.csv"), (*day, "-o", "field.npy"), (*seen, "-o", "view.png"):
+            (*at, "-o", "places.csv"), (*day, "-o", "field.npy"), (*seen, "-o", "view.png"), *(("trace", "field.npy", "rays.npy", "-o", name) for name in ("field.npy", "rays.npy")):
         refused(1, "view.pgw: is also an input" if words[-1] == "view.png" else f"{words[-1]}: is also an input", *words)
     for words in (*seen, "-o", "out.npy", "--table"), (*at, "-o"), (*day, "-o"), (*LOS, "--profile"):
         done = shell(f"PROGRAM {' '.join(map(str, words))} all.csv > all.csv")
         assert done.returncode == 1 and "all.csv: is also where standard output leads" in done.stderr
+
+
+def test_parts_of_inputs_are_not_replaced():
+    """What a VRT is made of, however deep, and a scene: whatever its name says, GDAL knows an ASCII grid by its content."""
+    write("scene.pbrt", 'Camera "perspective"\nWorldBegin\nTexture "t" "color" "imagemap" "string filename" "image.exr"\n'
+          'Material "matte" "texture Kd" "t"\nInclude "shape.exr"\nWorldEnd\n')
+    write("shape.exr", SCENE.splitlines()[-2])
+    write("image.pbrt", SCENE)
+    if run("render", "image.pbrt", "-o", "image.exr").status == 0:  # with OpenEXR
+        for output in "shape.exr", "image.exr":
+            refused(1, "is also an input", "render", "scene.pbrt", "-o", output)
+    needs("GDAL")
+    z, place = np.arange(1.0, 10).reshape(3, 3), "<GeoTransform>0,10,0,30,0,-10</GeoTransform>"
+    asc("grid.npy", z)
+    vrt("inner.npy", "grid.npy", z.shape, place)
+    vrt("outer.vrt", "inner.npy", z.shape, place)
+    for to in "inner.npy", "grid.npy", "./grid.npy":
+        for command, *more in ("shadow", "--sun", "0,30"), ("horizon",), ("viewshed", "--from", "15,15,2"), ("trace", "rays.npy"):
+            refused(1, "is also an input", command, "outer.vrt", *more, "-o", to)

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures by `cellwalk render`: exit statuses, messages, and files left behind. Terrain is compared with closed forms: every pixel of
-level land from straight above, haze, water, sky and sun, and land beyond the horizon of a sea."""
-import os
+"""Pictures by `cellwalk render` against closed forms: every pixel of level land from straight above, haze, water, sky and sun, and land beyond the
+horizon of a sea."""
 import re
 
 import numpy as np
 import pytest
-from program import REAL, SCENE, as_half, close, exr, interrupted, library, needs, picture, read, refused, run, well, write
+from program import REAL, SCENE, as_half, close, exr, needs, picture, read, run, well, write
 
 pytestmark = pytest.mark.usefixtures("openexr")
 NX, NY, SIDE = 60, 50, 60
@@ -38,7 +37,6 @@ def land(folder):
     np.save("hole.npy", hole)
     hole[20] = 40
     np.save("both.npy", hole)
-    write("s.pbrt", "WorldBegin")
     write("scene.pbrt", SCENE)
 
 
@@ -235,56 +233,6 @@ def test_quiet_means_no_warning():
     done = run("render", "odd.pbrt", "-o", "odd.exr")
     assert done.status == 0 and "warning: " in done.err
     well("render", "odd.pbrt", "-o", "odd.exr", "--quiet")
-
-
-@pytest.mark.parametrize("name, needed", [("d.png", "libpng"), ("d.exr", "OpenEXR"), ("full.exr", "OpenEXR")])
-def test_a_full_disk_is_a_failure(name, needed):
-    """Which shows while a picture is being put into its file, not only when that is closed. And Ctrl-C leaves nothing."""
-    if not library(needed):
-        pytest.skip(f"this build lacks {needed}")
-    os.symlink("/dev/full", "full.exr")
-    refused(1, f"{name}: cannot write: OpenEXR needs a regular file" if name == "full.exr" else name, "render", "scene.pbrt", "-o", name,
-            file_size=0 if name == "full.exr" else 64)  # less than any of them takes
-    interrupted("render", "scene.pbrt", "-o", f"c{name}", "--samples", 65536)
-
-
-# ---- refusals -------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("status, why, words", [
-    (2, "a scene or a raster is missing", ()),
-    (2, "--sun is for rasters", ("s.pbrt", "--sun", "0,30")),
-    (2, "--nodata is for rasters", ("s.pbrt", "--nodata", 0)),
-    (2, "--sky is for rasters", ("s.pbrt", "--sky")),
-    (2, "--water is for rasters", ("s.pbrt", "--water", 3)),
-    (2, "--curvature is for rasters", ("s.pbrt", "--curvature", 1)),
-    (2, "not '0'", ("level.npy", "--sun", 0)),
-    (2, "not 180", ("level.npy", "--fov", 180)),
-    (2, "not '5'", ("level.npy", "--from", 5)),
-    (1, "-5,3: lies outside", ("level.npy", "--from", "-5,3")),
-    (1, "the same place", ("level.npy", "--from", "5,3,9", "--to", "5,3,9")),
-    (1, "295,290,=20: is under the ground, which is 40.000 m high there", ("wall.npy", *MAP, "--from", "295,290,=20", "--size", "9x9")),
-    (2, "--haze takes a visibility in metres, above 0, not 0", ("level.npy", "--haze", 0)),
-    (2, "not 'noon'", ("level.npy", "--time", "noon")),
-    (2, "either --sun or --time", ("level.npy", "--time", "2024-06-21T12:00:00Z", "--sun", "0,9")),
-    (1, "level.npy: names no coordinate system, so the sun's place at a time is not known; give --sun", ("level.npy", "--time", "2024-06-21T12:00:00Z")),
-    (2, "--curvature takes a number from 0 on, not -1", ("level.npy", "--curvature", -1, "--from", "200,200")),
-    (2, "give the eye's place by --from", ("level.npy", "--curvature", 1)),
-    (2, "--water is level and does not go with --curvature", ("level.npy", "--curvature", 1, "--from", "200,200", "--water", 3)),
-    (1, "lies outside", ("level.npy", "--curvature", 1, "--from", "-900,0")),
-    (1, "missing.pbrt: cannot read: No such file", ("missing.pbrt",)),
-    (1, "s.pbrt:1: WorldBegin: no Camera", ("s.pbrt",)),
-    (2, "-o IMAGE is missing", ("scene.pbrt", None)),
-    (2, "unknown kind of picture", ("scene.pbrt", "-o", "b.jpeg")),
-    (1, "cannot write: No such file", ("scene.pbrt", "-o", "none/b.exr")),
-    (2, "'nothing' is unknown", ("scene.pbrt", "--kernel", "nothing")),
-    (2, "samples", ("scene.pbrt", "--samples", 0)),
-    *((2, "not a width and a height", ("scene.pbrt", "--size", size)) for size in ("80", "80x", "x60", "80x0", "0x60", "80x60x", "-80x60", " 80x60", "80x65537")),
-    *((2, "not X0,Y0,X1,Y1", ("scene.pbrt", "--crop", crop))
-      for crop in ("1,2,3", "1,2,3,4,", "3,2,3,4", "1,4,3,4", "1 2 3 4", "0,0,99999999999999999999,9")),
-    (1, "no part of 40 x 30 pixels", ("scene.pbrt", "--crop", "0,0,41,30"))])
-def test_refusals(status, why, words):
-    refused(status, why, "render", *(words[:-1] if words and words[-1] is None else ("-o", "o.exr", *words)))
 
 
 def test_a_place_on_another_map():

@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parts of rasters, and rasters larger than memory: the same bits as from all of it in one piece, with another instruction set, and threads."""
+"""Rasters larger than memory, by bands: the same bits as in one piece, with another instruction set, and threads. ../python/test_products.py has
+windows."""
 import numpy as np
 import pytest
-from program import REAL, asc, library, needs, needs_real, on_map, refused, run, sets, taken, takes, vrt, write
+from program import asc, library, needs, on_map, refused, run, sets, taken, takes, vrt
 
 NX, NY = 300, 260
 UTM, DEGREES = on_map(32632, 600000, 10, 0, 5200000, 0, -10), on_map(4326, 7, 0.0003, 0, 47, 0, -0.0002)
 TURNED = on_map(32632, 600000, 8, 6, 5200000, 6, -8)
-# Windows by the edges of pixels, columns 100 to 199 and rows 85 to 129, and a place in them.
-MAPS = {"land.npy": ("995,1295,1994,1744", "1500,1450,10"), "utm.vrt": ("601000,5198700,602000,5199150", "601505,5198995,10"),
-        "degrees.vrt": ("7.03,46.974,7.06,46.983", "7.0452,46.9799,10")}
-PART = np.s_[..., 85:130, 100:200]
+MAPS = {"land.npy": "1500,1450,10", "utm.vrt": "601505,5198995,10", "degrees.vrt": "7.0452,46.9799,10"}  # and a place
 
 
 @pytest.fixture(autouse=True)
@@ -38,46 +36,9 @@ def same(file, words, *more, at=np.s_[...], whole=None):
     assert whole.dtype == part.dtype and whole.shape == part.shape and whole.tobytes() == part.tobytes(), (file, words)
 
 
-PRODUCTS = [("shadow", "--sun", "315,12"), ("shadow", "--sun", "5,30", "--hillshade"), ("shadow", "--sun", "200,15", "--sun-disc"),
-            ("shadow", "--sun", "90,-3"), ("shadow", "--sun", "45,89", "--disc", 4), ("horizon", "--directions", 3),
-            ("horizon", "--directions", 3, "--max-distance", 400), ("horizon", "--directions", 3, "--distance"),
-            ("horizon", "--directions", 3, "--distance", "--max-distance", 400), ("shadow", "--sun", "315,12", "--curvature", 200),
-            ("horizon", "--directions", 5, "--svf"), ("visibility", "--directions", 7),
-            ("visibility", "--directions", 7, "--share", "--max-distance", 300),
-            ("visibility", "--directions", 7, "--longest", "--target-height", 5, "--max-distance", 500),
-            ("sun", "--date", "2024-12-21", "--step", "4h", "--lon-lat", "7,47")]
-# In Luxembourg, a map in degrees with holes around it.
-ON_LAND = [("sun", "--date", "2024-12-21", "--step", "2h"), ("sun", "--date", "2024-03-20", "--step", "4h", "--irradiance", "--sky", 5),
-           ("horizon", "--svf-tilted", "--directions", 5), ("horizon", "--directions", 3, "--curvature", 1)]
-
-
-def files():
-    return [*MAPS, "turned.vrt"] if library("GDAL") else ["land.npy"]
-
-
-def test_windows():
-    """Each product without a map, and on one of the maps by turns."""
-    cases = []
-    for m, (file, (window, place)) in enumerate(MAPS.items()):
-        x, y, height = place.split(",")
-        write(f"{file}.csv", f"x,y,height,weight\n{x},{y},{height},2\n{x},{y},3,0.125\n")
-        seen, many = ("viewshed", "--from", place), ("viewshed", "--observers", f"{file}.csv", "--min-distance", 40)
-        products = [*PRODUCTS, seen, (*seen, "--needed"), (*many, "--weights"), (*many, "--angle", "--bands"), (*many, "--weights", "--azimuth", "300,120"),
-                    (*many, "--vertical", "-5,-1")]
-        cases += [(file, words, window) for k, words in enumerate(products) if (m == 0 or (k + m) % 2 == 0) and file in files()]
-    for file, words, window in taken(cases, 13):
-        same(file, words, "--window", window, at=PART)
-
-
-def test_windows_of_real_land():
-    needs_real()
-    for words in taken(ON_LAND, 4):
-        same(REAL, words, "--window", "6.0,49.7,6.2,49.9", at=np.s_[..., 35:59, 31:55])
-
-
 def test_bands():
     """So little memory that each band has 32 rows, or a few more."""
-    for m, file in enumerate(files()):
+    for m, file in enumerate([*MAPS, "turned.vrt"] if library("GDAL") else ["land.npy"]):
         for k, words in enumerate([("shadow", "--sun", "340,35"), ("shadow", "--sun", "5,30", "--hillshade"), ("shadow", "--sun", "200,60", "--sun-disc"),
                                    ("shadow", "--sun", "45,89", "--disc", 4), ("horizon", "--svf", "--max-distance", 300),
                                    ("visibility", "--longest", "--max-distance", 100), ("visibility", "--every", 3, "--directions", 3, "--max-distance", 100)]):
@@ -119,7 +80,7 @@ def test_bands_that_would_be_too_large(strip, why, command, words):
 def test_near_views(file, distance, side):
     """The output is as near as --max-distance, and what the full raster has there; elsewhere there is nothing."""
     needs("GDAL")
-    words = "viewshed", "--from", MAPS[file][1], "--max-distance", distance
+    words = "viewshed", "--from", MAPS[file], "--max-distance", distance
     near = np.s_[100 - side:101 + side, 150 - side:151 + side]
     for more in taken([(), ("--needed",)], 2):
         whole, part = product(file, *words, *more, "--window=-1e9,-1e9,1e9,1e9"), product(file, *words, *more)
@@ -136,18 +97,5 @@ def test_huge():
     vrt("small.vrt", "land.txt", (NY, NX), on_map(None, 1000320, 10, 0, -1000320, 0, -10))
     memory = "--memory", "60M"
     shadow, view = ("shadow", "--sun", "315,12"), ("viewshed", "--from", "1001825,-1001325,10", "--max-distance", 600)
-    same("huge.vrt", shadow, "--window", "1001320,-1001620,1002320,-1001170", *memory, at=PART, whole="small.vrt")
+    same("huge.vrt", shadow, "--window", "1001320,-1001620,1002320,-1001170", *memory, at=np.s_[85:130, 100:200], whole="small.vrt")
     same("huge.vrt", view, *memory, whole="small.vrt")
-
-
-@pytest.mark.parametrize("status, why, command, words", [
-    (2, "--window takes XMIN,YMIN,XMAX,YMAX", "shadow", ("--sun", "0,30", "--window", "1,2,3")),
-    (1, "no sample is in it; they go from 0,0 to 2990,2590", "shadow", ("--sun", "0,30", "--window", "5000,0,6000,10")),
-    (1, "no sample is in it", "shadow", ("--sun", "0,30", "--window", "20,0,10,10")),
-    (2, "--memory takes a number of bytes", "shadow", ("--sun", "0,30", "--memory", "2X")),
-    (1, "300 x 260 samples matter at once, which need --memory 3M; there is 1M", "horizon", ("--memory", "1M")),
-    (1, "no sample is within 5 m of any observer", "viewshed", ("--from", "9000,0,=9", "--max-distance", 5)),
-    (2, "go with none of --svf, --openness and --window", "horizon", ("--at", "10,10", "--window", "0,0,9,9", "-o", ""))])
-def test_refusals(status, why, command, words):
-    words = words[:-2] if words[-1] == "" else (*words, "--cellsize", 10, "-o", "no.npy")
-    refused(status, why, command, "land.npy", *words)

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Long runs that are told to stop, or are killed: they end soon, and nothing is left under an output's name."""
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from program import PROGRAM, SCENE, end, entries, interrupted, needs, only_hidden, rays, rough, start, wait_for_input, wait_for_output, write
+
+TRACE = "trace", "large.npy", "many.npy", "--kernel", "brute", "--threads", 2, "-o", "o.npy"
+SKY, SCENES = ("horizon", "rough.npy", "--directions", 3600), ("render", "scene.pbrt", "--samples", 65536)
+SEEN = "viewshed", "rough.npy", "--cellsize", 10, "--observers", "t.csv", "--every", 0.005, "-o", "o.npy"
+
+
+@pytest.fixture(autouse=True)
+def inputs(folder):
+    np.save("large.npy", np.zeros((1000, 1000), np.float32))
+    np.save("rough.npy", rough(1000))
+    rays("many.npy", np.tile([5.5, 5, 1], (100000, 1)))
+    write("scene.pbrt", SCENE)
+    write("t.csv", "x,y\n100,100\n9000,100\n")
+    write("pairs.csv", "x1,y1,x2,y2\n" + "".join(f"0,0,{k % 990},900\n" for k in range(200000)))
+
+
+@pytest.mark.parametrize("words, needed, input", [
+    (TRACE, None, "many.npy"), ((*SKY, "-o", "o.npy"), None, "rough.npy"), ((*SKY, "--svf", "-o", "o.npy"), None, "rough.npy"),
+    ((*SKY, "-o", "o.tif"), "GDAL", "rough.npy"), ((*SKY, "--cog", "-o", "o.tif"), "GDAL", "rough.npy"), ((*SEEN, "--bands"), None, "rough.npy"),
+    (("los", "rough.npy", "--pairs", "pairs.csv", "-o", "o.csv", "--profile", "p.csv"), None, "rough.npy"),
+    ((*SCENES, "-o", "o.png"), "libpng", None), ((*SCENES, "-o", "o.exr"), "OpenEXR", None)])
+def test_results_do_not_begin_to_exist(words, needed, input):
+    """Ctrl-C leaves nothing, and a kill no more than hidden files."""
+    if needed:
+        needs(needed)
+    before = entries()
+    interrupted(*words, input=input)
+    process = start(*words)
+    wait_for_output(process)
+    process.kill()
+    assert end(process).status == 128 + signal.SIGKILL
+    only_hidden(before)
+
+
+def test_before_anything_is_written():
+    """A viewshed writes nothing before it is done."""
+    for words in ("viewshed", "rough.npy", *["--from", "500,500,100000"] * 99, "-o", "o.npy", "--threads", 1), SEEN:
+        interrupted(*words, input="rough.npy", writes=False)
+
+
+@pytest.mark.parametrize("signals", [[signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT, signal.SIGTERM]])
+def test_signals(signals):
+    """A second one is the end."""
+    assert "interrupted" in interrupted(*TRACE, signals=signals).err or len(signals) > 1
+
+
+CONTAINER = """
+import ctypes, os, signal, sys, time
+if ctypes.CDLL(None).unshare(0x30000000) != 0:  # CLONE_NEWUSER and CLONE_NEWPID
+    sys.exit("no namespaces")
+process = os.spawnv(os.P_NOWAIT, sys.argv[1], sys.argv[1:])
+while not any(name.endswith(".tmp") for name in os.listdir()):
+    time.sleep(0.01)
+os.kill(process, signal.SIGINT)
+sys.exit(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]))
+"""
+
+
+def test_the_first_process_of_a_container_ends_too():
+    """The system keeps a signal from it that it sends to itself."""
+    before = entries()
+    done = subprocess.run([sys.executable, "-c", CONTAINER, PROGRAM, *map(str, TRACE)], stderr=subprocess.PIPE, text=True)
+    if "no namespaces" in done.stderr:
+        pytest.skip("no namespaces")
+    assert done.returncode == 128 + signal.SIGINT and done.stderr == "cellwalk: interrupted\n" and entries() == before
+
+
+def test_while_reading():
+    """Here four million numbers of many digits."""
+    write("text.asc", "ncols 2000\nnrows 2000\ncellsize 1\n" + "1.2345678901234567890123456789 " * 4000000)
+    process = start("info", "text.asc")
+    wait_for_input(process, "text.asc")
+    process.terminate()
+    assert end(process).status == 128 + signal.SIGTERM
