@@ -44,21 +44,24 @@ _Static_assert(sizeof(vfloat) == sizeof(float[LANES]) && sizeof(vint) == sizeof(
 /* A place in memory with room for the rows of a block on both sides, not aligned. */
 static inline const float *block(const word_in *in) { return in->memory + 66; }
 /* The number of the vector in a block, or of the lane if that is all there is. */
-#define BLOCK_PART (LANES == 1 ? in->block_lane : in->block_vector)
+#define BLOCK_PART (LANES == 1 ? in->block_lane + at : in->block_vector)
 
-#define FLOATS(operand)    get_floats(in->operand)
-#define INTS(operand)      get_ints(in->operand)
-#define DOUBLES(operand)   get_doubles(in->wide[operand])
-#define MASK(operand)      get_mask(in->mask[operand])
-#define TO_FLOATS(result)  put_floats(out->f[0], result)
-#define TO_INTS(result)    put_ints(out->i, result)
-#define TO_DOUBLES(result) put_doubles(out->d, result)
-#define TO_MASK(result)    put_mask(out->m, result)
+#define FLOATS(operand)    get_floats(in->operand + at)
+#define INTS(operand)      get_ints(in->operand + at)
+#define DOUBLES(operand)   get_doubles(in->wide[operand] + at)
+#define MASK(operand)      get_mask(in->mask[operand] + at)
+#define TO_FLOATS(result)  put_floats(out->f[0] + at, result)
+#define TO_INTS(result)    put_ints(out->i + at, result)
+#define TO_DOUBLES(result) put_doubles(out->d + at, result)
+#define TO_MASK(result)    put_mask(out->m + at, result)
 #define TO_EACH_FLOATS(r, count)                                                                                       \
-    for (int k = 0; k < count; k++) put_floats(out->f[k], r[k])
+    for (int k = 0; k < count; k++) put_floats(out->f[k] + at, r[k])
 
 #define WORD(name, result, ...)                                                                                        \
-    static void run_##name(const word_in *in, word_out *out) { __VA_ARGS__; }
+    static void run_##name(const word_in *in, word_out *out, size_t at) {                                              \
+        (void)at;                                                                                                      \
+        __VA_ARGS__;                                                                                                   \
+    }
 #include "words.inc.h"
 #undef WORD
 

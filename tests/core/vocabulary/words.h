@@ -32,7 +32,7 @@ typedef struct word_in {
     double one_double;
     bool one_bool;
     size_t count;  /* for the first lane; each lane's is one less than that of the lane before, but at least 0 */
-    unsigned lane; /* for the first lane: bit k is lane k's */
+    unsigned lane; /* bit k is lane k's */
     bool up;
     size_t block_vector; /* W lanes each; below 16 / W */
     size_t block_lane;   /* number of the first lane in the block: block_vector W */
@@ -53,17 +53,16 @@ typedef struct word_out {
 } word_out;
 
 typedef enum word_result {
-    GIVES_BITS,      /* the scalar vocabulary's, bit for bit, and nothing beside them */
-    GIVES_NUMBERS,   /* the same, but that a NaN may be any */
-    GIVES_MASK_BITS, /* bits, a lane each */
-    GIVES_ANY,       /* is_any, of all lanes */
-    GIVES_LOWEST     /* each, of all lanes; zeros of either sign are the same */
+    GIVES_BITS,    /* the scalar vocabulary's, bit for bit, and nothing beside them */
+    GIVES_NUMBERS, /* the same, but that a NaN may be any */
+    GIVES_LOWEST   /* each, of all lanes; zeros of either sign are the same */
 } word_result;
 
 typedef struct word {
     const char *name;
     word_result result;
-    void (*run)(const word_in *in, word_out *out);
+    void (*run)(const word_in *in, word_out *out,
+                size_t at); /* on operands from lane number at on, 0 unless LANES is 1 */
 } word;
 
 typedef struct word_row {

@@ -4,8 +4,8 @@
 
 /* clang-format off: a word a line */
 WORD(vf_set, GIVES_BITS, TO_FLOATS(vf_set(in->one_float)))
-WORD(vf_load, GIVES_BITS, TO_FLOATS(vf_load(in->any[0])))
-WORD(vf_store, GIVES_BITS, vf_store(out->f[0], FLOATS(any[0])))
+WORD(vf_load, GIVES_BITS, TO_FLOATS(vf_load(in->any[0] + at)))
+WORD(vf_store, GIVES_BITS, vf_store(out->f[0] + at, FLOATS(any[0])))
 WORD(vf_add, GIVES_NUMBERS, TO_FLOATS(vf_add(FLOATS(any[0]), FLOATS(any[1]))))
 WORD(vf_sub, GIVES_NUMBERS, TO_FLOATS(vf_sub(FLOATS(any[0]), FLOATS(any[1]))))
 WORD(vf_mul, GIVES_NUMBERS, TO_FLOATS(vf_mul(FLOATS(any[0]), FLOATS(any[1]))))
@@ -23,8 +23,8 @@ WORD(vf_ge, GIVES_BITS, TO_MASK(vf_ge(FLOATS(any[0]), FLOATS(any[1]))))
 WORD(vf_eq, GIVES_BITS, TO_MASK(vf_eq(FLOATS(any[0]), FLOATS(any[1]))))
 WORD(vf_select, GIVES_BITS, TO_FLOATS(vf_select(MASK(0), FLOATS(any[0]), FLOATS(any[1]))))
 WORD(vi_set, GIVES_BITS, TO_INTS(vi_set(in->one_int)))
-WORD(vi_load, GIVES_BITS, TO_INTS(vi_load(in->bits[0])))
-WORD(vi_store, GIVES_BITS, vi_store(out->i, INTS(bits[0])))
+WORD(vi_load, GIVES_BITS, TO_INTS(vi_load(in->bits[0] + at)))
+WORD(vi_store, GIVES_BITS, vi_store(out->i + at, INTS(bits[0])))
 WORD(vi_add, GIVES_BITS, TO_INTS(vi_add(INTS(sum[0]), INTS(sum[1]))))
 WORD(vi_sub, GIVES_BITS, TO_INTS(vi_sub(INTS(sum[0]), INTS(sum[1]))))
 WORD(vi_mul, GIVES_BITS, TO_INTS(vi_mul(INTS(factor[0]), INTS(factor[1]))))
@@ -45,24 +45,25 @@ WORD(vm_or, GIVES_BITS, TO_MASK(vm_or(MASK(0), MASK(1))))
 WORD(vm_xor, GIVES_BITS, TO_MASK(vm_xor(MASK(0), MASK(1))))
 WORD(vm_andnot, GIVES_BITS, TO_MASK(vm_andnot(MASK(0), MASK(1))))
 WORD(vm_not, GIVES_BITS, TO_MASK(vm_not(MASK(0))))
-WORD(vm_first, GIVES_BITS, TO_MASK(vm_first(in->count)))
-WORD(vm_from_bits, GIVES_BITS, TO_MASK(vm_from_bits(in->lane)))
-WORD(vm_any, GIVES_ANY, out->is_any = vm_any(MASK(0)))
-WORD(vm_bits, GIVES_MASK_BITS, out->bits = vm_bits(MASK(0)))
+WORD(vm_first, GIVES_BITS, TO_MASK(vm_first(in->count > at ? in->count - at : 0)))
+WORD(vm_from_bits, GIVES_BITS, TO_MASK(vm_from_bits(in->lane >> at)))
+WORD(vm_any, GIVES_BITS, out->is_any = (at && out->is_any) || vm_any(MASK(0)))
+WORD(vm_bits, GIVES_BITS, out->bits = (at ? out->bits : 0) | vm_bits(MASK(0)) << at)
 WORD(vf_gather, GIVES_BITS, TO_FLOATS(vf_gather(in->memory, INTS(index), MASK(0))))
 WORD(vf_gather_pairs, GIVES_BITS, vfloat r[2]; vf_gather_pairs(in->memory, INTS(index), MASK(0), &r[0], &r[1]);
      TO_EACH_FLOATS(r, 2))
 WORD(vf_gather_quads, GIVES_BITS, vfloat r[4]; vf_gather_quads(in->memory, INTS(index), MASK(0), r);
      TO_EACH_FLOATS(r, 4))
-WORD(vf_load_rays, GIVES_BITS, vfloat r[8]; vf_load_rays(in->ray, r); TO_EACH_FLOATS(r, 8))
-WORD(vf_load_each_ray, GIVES_BITS, vfloat r[8]; vf_load_each_ray(in->each, r); TO_EACH_FLOATS(r, 8))
+WORD(vf_load_rays, GIVES_BITS, vfloat r[8]; vf_load_rays(in->ray + at, r); TO_EACH_FLOATS(r, 8))
+WORD(vf_load_each_ray, GIVES_BITS, vfloat r[8]; vf_load_each_ray(in->each + at, r); TO_EACH_FLOATS(r, 8))
 WORD(vf_lane, GIVES_BITS, const vfloat a = FLOATS(any[0]);
-     for (unsigned k = 0; k < LANES; k++) out->f[0][k] = vf_lane(&a, k))
+     for (unsigned k = 0; k < LANES; k++) out->f[0][at + k] = vf_lane(&a, k))
 WORD(vf_store_hits, GIVES_BITS,
-     vf_store_hits(out->hit, FLOATS(any[0]), FLOATS(any[1]), FLOATS(any[2]), FLOATS(whole[0]), FLOATS(whole[1]),
+     vf_store_hits(out->hit + at, FLOATS(any[0]), FLOATS(any[1]), FLOATS(any[2]), FLOATS(whole[0]), FLOATS(whole[1]),
                    MASK(0)))
 WORD(vf_lowest_of_each, GIVES_LOWEST, vfloat r[16]; for (int k = 0; k < 16; k++) r[k] = FLOATS(number[k]);
-     vf_lowest_of_each(r, out->each))
+     float other[WORD_TABLE]; vf_lowest_of_each(r, at ? other : out->each);
+     for (int k = 0; k < WORD_TABLE && at; k++) out->each[k] = other[k] < out->each[k] ? other[k] : out->each[k])
 WORD(vd_set, GIVES_BITS, TO_DOUBLES(vd_set(in->one_double)))
 WORD(vd_from_vf, GIVES_NUMBERS, TO_DOUBLES(vd_from_vf(FLOATS(any[0]))))
 WORD(vf_from_vd, GIVES_NUMBERS, TO_FLOATS(vf_from_vd(DOUBLES(0))))

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The functions of cellwalk.h and cellwalk_expert.h as a program for tests in Python (words.h, conftest.py). A command is a function's name
+ * with its arguments, each a number or room in memory that lasts for the call: <SIZE OFFSET is filled from the file in, >SIZE OFFSET goes to
+ * the file out. OFFSET is how far it begins behind a multiple of 64; nothing may be written beside it. */
+
+#include "cellwalk_expert.h"
+#include "words.h"
+
+#include <pthread.h>
+
+enum { WORDS = 6, GUARD = 64, UNTOUCHED = 0x5a };
+
+typedef struct value {
+    void *p;
+    size_t n;
+    double d;
+    unsigned char *room; /* from which p is offset, with size bytes and two guards; NULL: none */
+    size_t size, offset;
+    bool goes_out;
+} value;
+
+/* ---- functions ----------------------------------------------------------------------------------------------------------- */
+
+#define P(k)  v[k].p
+#define N(k)  v[k].n
+#define F(k)  (float)v[k].d
+#define U(k)  (uint32_t) v[k].n
+#define AT(k) *(const cw_rectangle *)v[k].p
+
+static void status(cw_status s) { fprintf(answer, "%d %s", s, cw_last_error()); }
+static void number(size_t n) { fprintf(answer, "%zu", n); }
+static void address(const void *p) { number((size_t)p); }
+static void text(const char *t) { fputs(t ? t : "NULL", answer); }
+
+#define QUERY(NAME) X(NAME, status(NAME(P(0), P(1), P(2), N(3), P(4))))
+#define FUNCTIONS                                                                                                      \
+    X(cw_pool_create, status(cw_pool_create(U(0), P(1))))                                                              \
+    X(cw_pool_create_on, status(cw_pool_create_on(P(0), P(1))))                                                        \
+    X(cw_pool_destroy, cw_pool_destroy(P(0)))                                                                          \
+    X(cw_pool_threads, number(cw_pool_threads(P(0))))                                                                  \
+    X(cw_field_create, status(cw_field_create(P(0), P(1), P(2))))                                                      \
+    X(cw_field_destroy, cw_field_destroy(P(0)))                                                                        \
+    X(cw_field_describe_into, cw_field_describe_into(P(0), P(1), N(2)))                                                \
+    X(cw_field_row, address(cw_field_row(P(0), N(1))))                                                                 \
+    X(cw_field_build, status(cw_field_build(P(0), P(1))))                                                              \
+    X(cw_field_update, status(cw_field_update(P(0), P(1), P(2))))                                                      \
+    X(cw_field_move, status(cw_field_move(P(0), P(1), U(2))))                                                          \
+    X(cw_run_check, status(cw_run_check(P(0), P(1))))                                                                  \
+    X(cw_run_kernel, address(cw_run_kernel(P(0), P(1))))                                                               \
+    QUERY(cw_closest)                                                                                                  \
+    QUERY(cw_occluded)                                                                                                 \
+    QUERY(cw_closest_user)                                                                                             \
+    QUERY(cw_occluded_user)                                                                                            \
+    QUERY(cw_rays_to_field)                                                                                            \
+    QUERY(cw_surface_at)                                                                                               \
+    QUERY(cw_surface_at_user)                                                                                          \
+    QUERY(cw_hit_points)                                                                                               \
+    QUERY(cw_hit_normals)                                                                                              \
+    QUERY(cw_hit_phong_normals)                                                                                        \
+    X(cw_heading_create, status(cw_heading_create(P(0), P(1), P(2))))                                                  \
+    X(cw_heading_destroy, cw_heading_destroy(P(0)))                                                                    \
+    X(cw_heading_steepest, status(cw_heading_steepest(P(0), P(1), F(2), F(3), AT(4), P(5))))                           \
+    X(cw_heading_occluded, status(cw_heading_occluded(P(0), P(1), F(2), AT(3), P(4))))                                 \
+    X(cw_kernel_count, number(cw_kernel_count()))                                                                      \
+    X(cw_kernel_at, address(cw_kernel_at(N(0))))                                                                       \
+    X(cw_kernel_find, address(cw_kernel_find(P(0))))                                                                   \
+    X(cw_kernel_exists, number(cw_kernel_exists(P(0))))                                                                \
+    X(cw_kernel_describe_into, cw_kernel_describe_into(P(0), P(1), N(2)))                                              \
+    X(cw_isa_best, number((size_t)cw_isa_best()))                                                                      \
+    X(cw_isa_limit, cw_isa_limit((cw_isa)N(0)))                                                                        \
+    X(cw_isa_includes, number(cw_isa_includes((cw_isa)N(0), (cw_isa)N(1))))                                            \
+    X(cw_isa_name, text(cw_isa_name((cw_isa)N(0))))                                                                    \
+    X(cw_leaf_name, text(cw_leaf_name((cw_leaf)N(0))))                                                                 \
+    X(cw_status_message, text(cw_status_message((cw_status)N(0))))                                                     \
+    X(cw_version, text(cw_version()))                                                                                  \
+    X(cw_version_number, number(cw_version_number()))                                                                  \
+    X(keep, address(keep(P(0), v[0].size)))                                                                            \
+    X(peek, memcpy(P(1), P(0), v[1].size))                                                                             \
+    X(poke, memcpy(P(0), P(1), v[1].size))                                                                             \
+    X(text, text(P(0)))                                                                                                \
+    X(setenv, setenv(P(0), P(1), 1))
+
+/* ---- memory that stays --------------------------------------------------------------------------------------------------- */
+
+static void *kept[4096];
+static size_t kept_count;
+
+static void *keep(const void *bytes, size_t size) {
+    stop_unless(kept_count < sizeof kept / sizeof *kept && (kept[kept_count] = malloc(size + 1)), "keep");
+    return memcpy(kept[kept_count++], bytes, size);
+}
+
+/* ---- what the library calls ------------------------------------------------------------------------------------------------ */
+
+typedef struct task {
+    cw_task_fn *run;
+    void *argument;
+    uint32_t number;
+    pthread_t thread;
+} task;
+static void *run_task(void *argument) {
+    const task *t = argument;
+    t->run(t->argument, t->number);
+    return NULL;
+}
+/* Each on a new thread, from the last on. context: how often, and how many in all; or NULL */
+static void run_tasks(void *context, cw_task_fn *run, void *argument, uint32_t count) {
+    task tasks[8];
+    stop_unless(count >= 1 && count <= 8, "tasks");
+    if (context) ((uint64_t *)context)[0]++, ((uint64_t *)context)[1] += count;
+    for (uint32_t k = count; k-- > 0;) {
+        tasks[k] = (task){.run = run, .argument = argument, .number = k};
+        stop_unless(pthread_create(&tasks[k].thread, NULL, run_task, &tasks[k]) == 0, "thread");
+    }
+    for (uint32_t k = 0; k < count; k++) pthread_join(tasks[k].thread, NULL);
+}
+/* context: how many blocks there are, or NULL */
+static void *allocate(void *context, size_t bytes, size_t alignment) {
+    if (context) ++*(int64_t *)context;
+    return aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+}
+static void release(void *context, void *memory) {
+    if (context) --*(int64_t *)context;
+    free(memory);
+}
+static bool lower_limit(void *context, double done) {
+    (void)context, (void)done;
+    cw_isa_limit(CW_ISA_SCALAR);
+    return true;
+}
+
+/* ---- commands -------------------------------------------------------------------------------------------------------------- */
+
+static value value_of(const char *word, FILE *in) {
+    value v = {.goes_out = *word == '>'};
+    if (*word != '<' && *word != '>') {
+        v.n = whole(word);
+        v.d = strtod(word, NULL);
+        v.p = (void *)v.n;
+        return v;
+    }
+    char *end;
+    v.size = strtoull(word + 1, &end, 10);
+    v.offset = GUARD + whole(end);
+    const size_t all = (v.offset + v.size + 2 * GUARD - 1) / GUARD * GUARD;
+    v.room = aligned_alloc(GUARD, all);
+    stop_unless(v.room != NULL, word);
+    memset(v.room, UNTOUCHED, all);
+    v.p = v.room + v.offset;
+    stop_unless(v.goes_out || fread(v.p, 1, v.size, in) == v.size, "in");
+    return v;
+}
+
+static bool is_untouched(const unsigned char *from, const unsigned char *until) {
+    while (from < until && *from == UNTOUCHED) from++;
+    return from == until;
+}
+
+/* False if something was written beside it. */
+static bool let_go(const value *v, FILE *out) {
+    if (v->room == NULL) return true;
+    unsigned char *begin = v->p, *end = begin + v->size;
+    const bool good = is_untouched(v->room, begin) && is_untouched(end, end + GUARD);
+    if (v->goes_out) stop_unless(fwrite(begin, 1, v->size, out) == v->size, "out");
+    free(v->room);
+    return good;
+}
+
+static int obey(char **words, io_error *e) {
+    static const struct {
+        const char *name;
+        size_t address;
+    } calls_back[] = {{"run_tasks", (size_t)run_tasks},
+                      {"allocate", (size_t)allocate},
+                      {"release", (size_t)release},
+                      {"lower_limit", (size_t)lower_limit}};
+    value v[WORDS] = {{0}};
+    for (size_t k = 0; k < sizeof calls_back / sizeof *calls_back; k++)
+        if (strcmp(words[0], calls_back[k].name) == 0) return number(calls_back[k].address), DONE;
+    FILE *in = fopen("in", "rb"), *out = fopen("out", "wb");
+    stop_unless(in && out, "in or out");
+    for (size_t k = 0; k < WORDS && words[1 + k] && *words[1 + k]; k++) v[k] = value_of(words[1 + k], in);
+    int how = OTHER;
+#define X(NAME, ...)                                                                                                   \
+    if (strcmp(words[0], #NAME) == 0) {                                                                                \
+        __VA_ARGS__;                                                                                                   \
+        how = DONE;                                                                                                    \
+    }
+    FUNCTIONS
+#undef X
+    for (size_t k = 0; k < WORDS; k++)
+        if (!let_go(&v[k], out)) how = io_fail(e, "%s writes beside its argument %zu", words[0], k);
+    stop_unless(fclose(in) == 0 && fclose(out) == 0, "in or out");
+    return how;
+}
+
+int main(int argc, char **argv) {
+    const int done = words_run(argc, argv, obey);
+    while (kept_count > 0) free(kept[--kept_count]);
+    return done;
+}

@@ -1,0 +1,359 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Wrong, odd and empty arguments. Functions, parameters and members are those that the headers' text has: NULL and NaN fail with
+CW_ERROR_ARGUMENT and a sentence that begins with the argument's name, optional pointers may be NULL, and nothing to do, n = 0 or an empty
+rectangle, succeeds without arrays. Misuse gives the documented status, and limits on instruction sets hold."""
+import os
+import re
+
+import numpy as np
+import pytest
+from conftest import (ARGUMENT, HEADERS, HIT, KERNEL, NOT_BUILT, NOTHING, OK, POINTERS, SAMPLE, STRUCTS, At, Library, Room, random_rays)
+from program import takes
+
+FUNCTIONS = dict(re.findall(r"CW_API cw_status (\w+)\((.*?)\);", HEADERS, re.S))
+DESTROY = {"pool": "cw_pool_destroy", "field": "cw_field_destroy", "heading": "cw_heading_destroy"}
+SIDE = 5
+ALL = 2**64 - 1
+
+
+@pytest.fixture
+def good(library):
+    """Right arguments by the names of parameters; arrays have room for two of anything or for a number for each sample."""
+    flat = np.zeros((SIDE, SIDE))
+    field = library.field(flat)
+    turn = library.struct("cw_heading_desc", dir=(1, 0.5))
+    heading = int(library.well("cw_heading_create", field, turn, Room("u8"))[0])
+    yield {"field": field, "heading": heading, "run": library.run(), "tasks": library.struct("cw_tasks", threads=2, run=library.number("run_tasks")),
+           "update": library.struct("cw_update", at=(1, 1, 2, 2), samples=library.keep(flat)), "threads": 2, "n": 2, "wait": 0,
+           "at": np.array([0, 0, SIDE, SIDE], "u8"), "low": -1.0, "high": 1.0, "slope": 0.0, "map": np.eye(3, 4), "desc": library.desc(flat),
+           "heading desc": turn}
+    library.call("cw_heading_destroy", heading)
+
+
+def parameters(function, good):
+    """Name, kind and right argument of each: ? an optional pointer, * another, & where a result goes, [ an array, # a count, @ a rectangle, ~ a
+    number, = what no value is wrong for."""
+    declared = [re.fullmatch(r"(.*?)(\w+)(\[.*)?", " ".join(p.split())).groups() for p in FUNCTIONS[function].split(",")]
+    for kind, name, side in declared:
+        value = good.get("heading desc" if (name, function) == ("desc", "cw_heading_create") else name)
+        if "**" in kind:
+            yield name, "&", Room("u8")
+        elif name == "run" or (name, function) == ("field", "cw_run_check"):
+            yield name, "?", value
+        elif "*" in kind and name not in good or (name, kind) == ("slope", "float *"):
+            yield name, "[", Room("u1", 256)
+        else:
+            yield name, "*" if "*" in kind or side else {"float ": "~", "cw_rectangle ": "@"}.get(kind, "#" if name == "n" else "="), value
+
+
+def call(library, function, arguments):
+    status, error, *filled = library.asked(function, *arguments)
+    for what, destroy in DESTROY.items():
+        if status == OK and function.startswith(f"cw_{what}_create"):
+            library.call(destroy, int(filled[-1][0]))
+    return status, error
+
+
+def is_fine(library, function, arguments, what):
+    status, error = call(library, function, arguments)
+    assert status == OK, (function, what, error)
+
+
+def is_refused(library, function, arguments, name):
+    status, error = call(library, function, arguments)
+    assert status == ARGUMENT and error.startswith(name + ":"), (function, name, status, error)
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_each_argument(library, good, function):
+    names, kinds, right = zip(*parameters(function, good))
+    is_fine(library, function, right, "as it should be")
+    for k, (name, kind) in enumerate(zip(names, kinds)):
+        def with_one(value, empty=False):
+            return [value if p == k else None if empty and kinds[p] == "[" else right[p] for p in range(len(right))]
+        if kind == "?":
+            is_fine(library, function, with_one(None), name)
+        elif kind in "*&[~":
+            is_refused(library, function, with_one(np.nan if kind == "~" else None), name)
+        if name == "run":  # what a later version would mean by more
+            for word in np.eye(6, dtype="u8"):
+                is_refused(library, function, with_one(library.run(reserved=word << np.uint64(63))), "cw_run")
+        for some in {"#": [0], "@": [(0, 0, 0, SIDE), (0, 0, SIDE, 0), (0, 0, 0, 0)]}.get(kind, []):
+            is_fine(library, function, with_one(some if kind == "#" else np.array(some, "u8"), empty=True), f"{name} {some}")
+
+
+# Which argument of which function takes a struct that callers fill; and its pointers that may be NULL.
+FILLED = {"cw_tasks": ("cw_pool_create_on", "tasks"), "cw_run": ("cw_closest", "run"), "cw_allocator": ("cw_field_create", "desc"),
+          "cw_field_desc": ("cw_field_create", "desc"), "cw_update": ("cw_field_update", "update"), "cw_heading_desc": ("cw_heading_create", "desc")}
+OPTIONAL = {"context", "pool", "watch", "watch_context", "allocator"}
+
+
+@pytest.mark.parametrize("name", [name for name, struct in STRUCTS.items() if "reserved" in struct.names])
+def test_each_member(library, good, name):
+    function, parameter = FILLED[name]
+    allocator = library.struct("cw_allocator", **{part: library.number(part) for part in ("allocate", "release")})
+    names, _, right = zip(*parameters(function, good))
+    right = dict(zip(names, right))
+
+    def arguments(struct):
+        one = struct if name != "cw_allocator" else library.struct("cw_field_desc", allocator=library.keep(struct), **{
+            member: right["desc"][member] for member in ("samples", "nx", "ny", "map")})
+        return [one if p == parameter else value for p, value in right.items()]
+    for member in STRUCTS[name].names:
+        struct = (allocator if name == "cw_allocator" else right[parameter]).copy()
+        place = STRUCTS[name].fields[member]
+        wrong = 0 if (name, member) in POINTERS or member == "at" else 0xff  # all bits set: also a NaN
+        struct.view("u1")[place[1]:place[1] + place[0].itemsize] = wrong
+        if member in OPTIONAL or member == "at":
+            is_fine(library, function, arguments(struct), member)
+        else:
+            is_refused(library, function, arguments(struct), name if member in ("zero", "reserved") else member)
+        if member == "at":  # empty: then there are no samples either
+            struct["samples"] = 0
+            is_fine(library, function, arguments(struct), "at and samples")
+
+
+# ---- fields ------------------------------------------------------------------------------------------------------------------
+
+
+def create(library, **members):
+    """The status; only without an error there is a field."""
+    status, error, made = library.asked("cw_field_create", library.struct("cw_field_desc", **members), None, Room("u8"))
+    assert (made[0] == 0) == (status != OK)
+    if status == OK:
+        library.call("cw_field_destroy", int(made[0]))
+    return status
+
+
+def test_sizes(library):
+    z, most = library.keep(np.zeros(12, "f4")), 1 << 23
+    for nx, ny, stride, storage, status in [
+            (3, 2, 0, 0, OK), (3, 2, 6, 0, OK), (3, 2, 0, 2, ARGUMENT), (46341, 46341, 0, 0, ARGUMENT),  # the first square above 2^31
+            (3, 2, 2, 0, ARGUMENT), (3, 2, 2**62, 0, ARGUMENT), (3, 2, ALL, 0, ARGUMENT), (3, 2, 2**31, 1, ARGUMENT),
+            *((nx, ny, 0, 0, ARGUMENT) for side in (0, 1, most + 1, 2**63, ALL) for nx, ny in ((side, 2), (3, side), (side, side)))]:
+        assert create(library, samples=z, nx=nx, ny=ny, stride=stride, storage=storage) == status, (nx, ny, stride, storage)
+    for threads in 4097, 4000000000, 2**32 - 1:
+        status, _, pool = library.asked("cw_pool_create", threads, Room("u8"))
+        assert status == ARGUMENT and pool[0] == 0
+    pool = int(library.well("cw_pool_create", 0, Room("u8"))[0])
+    assert 1 <= library.number("cw_pool_threads", pool) <= 4096 and library.number("cw_pool_threads", None) == 1
+    for destroy, made in ("cw_pool_destroy", pool), *((destroy, None) for destroy in DESTROY.values()):
+        library.call(destroy, made)
+    for threads in 0, 4097:
+        tasks = library.struct("cw_tasks", threads=threads, run=library.number("run_tasks"))
+        assert library.asked("cw_pool_create_on", tasks, Room("u8"))[2][0] == 0
+
+
+def test_maps(library):
+    z = library.keep(np.zeros(4, "f4"))
+    rows = [(1, 0, 0, 0), (0, 0, 0, 0), (0, 0, 1, 0)], [(1, 0, 0, 0), (1, 0, 0, 0), (0, 0, 1, 0)], [(0, 0, 0, 1), (0,) * 4, (0,) * 4], np.diag((1, 1, 1e-320, 0))[:3]
+    odd = [np.where(np.arange(12).reshape(3, 4) == k, bad, np.eye(3, 4)) for k in range(12) for bad in (np.nan, np.inf, -np.inf)]
+    for map in *rows, *odd:  # a row of zeros, two equal ones, a translation alone, an inverse that overflows; what is not finite
+        assert create(library, samples=z, nx=2, ny=2, map=map) == ARGUMENT, map
+    assert create(library, samples=z, nx=2, ny=2, map=1e-9 * np.eye(3, 4)) == OK  # nanometres
+
+
+def test_heights_and_holes(library):
+    """Beyond 2^100 strict answers could overflow."""
+    most, more = np.float32(2.0**100), np.nextafter(np.float32(2.0**100), np.float32(np.inf))
+    for storage in range(2):
+        for z, status in [((0, most, -most, np.nan), OK), ((0, more, -most, np.nan), SAMPLE), ((0, most, -np.finfo("f4").max, np.nan), SAMPLE),
+                          ((0, np.nan, 1, 2), OK), ((0, -np.inf, 1, 2), SAMPLE if storage else OK)]:
+            assert create(library, samples=library.keep(np.array(z, "f4")), nx=2, ny=2, storage=storage) == status, (z, storage)
+    info = library.describe(library.field([[0, -np.inf], [1, 2]]))
+    assert (info["holes"], info["low"], info["high"]) == (1, 0, 2)
+    info = library.describe(library.field([[np.nan] * 2] * 2))
+    assert info["holes"] == 4 and info["low"] > info["high"]
+    z = np.zeros((140, 200))  # in every tile of a field, which are summed up by rows of tiles
+    z.flat[::37] = np.nan
+    assert library.describe(library.field(z))["holes"] == np.isnan(z).sum()
+
+
+def test_borrowed_and_copied(library):
+    z = np.array([[1, 1, 9], [1, 1, 9]], "f4")  # 2 × 2 in rows of three
+    copied, borrowed = (library.field(z, nx=2, stride=3, storage=storage, samples=address) for address in [library.keep(z)] for storage in range(2))
+    assert [library.describe(f)["bytes_samples"] for f in (copied, borrowed)] == [16, 0] and library.describe(borrowed)["high"] == 1
+    library.call("poke", library.number("cw_field_row", borrowed, 0), np.array([np.nan, np.nan, 9] * 2, "f4"))
+    down = np.array([((0.25, 0.5, 3), 0, (0, 0, -1), np.inf)], STRUCTS["cw_ray"])
+    for name, kernel, _ in library.kernels():
+        run = library.run(kernel=kernel)
+        for field in copied, borrowed:
+            library.well("cw_field_build", field, run)
+        hit, miss = (library.closest(field, down, run)[0] for field in (copied, borrowed))
+        assert abs(hit["t"] - 2) <= 2.0**-22 and hit["triangle"] == 1 and miss["i"] == -1, name
+
+
+# ---- queries -----------------------------------------------------------------------------------------------------------------
+
+
+def test_kernels_that_cannot_answer(library):
+    rays = random_rays(2, 5, 5)
+    field = library.field(np.random.default_rng(1).random((5, 5)))
+    hits, seen = Room(HIT, 2), Room("u1", 2)
+
+    def fails(status, run, field=field):
+        for name, room in ("cw_closest", hits), ("cw_occluded", seen):
+            found, error, filled = library.asked(name, field, run, rays, 2, room)
+            assert found == status and (filled.view("u1") == NOTHING).all(), (name, status, error)
+    none = library.run(kernel="packet99")
+    fails(ARGUMENT, library.run(leaf=3))
+    fails(ARGUMENT, library.run(leaf=-1))
+    fails(ARGUMENT, library.run(isa=6))
+    fails(KERNEL, none)
+    fails(KERNEL, library.run(kernel="brute", leaf=2))
+    library.fails(KERNEL, "cw_closest", field, none, None, 0, None)
+    library.fails(KERNEL, "cw_closest_user", field, none, np.zeros(1, STRUCTS["cw_user_ray"]), 1, hits)
+    library.fails(KERNEL, "cw_field_build", field, none)
+    assert library.number("cw_run_kernel", field, none) == none["expert"]["kernel"][0]
+    grid, small = library.run(kernel="grid3d"), library.field(np.zeros((2, 2)))
+    fails(NOT_BUILT, grid, small)
+    built = [library.describe(small)["bytes_built"]]
+    for run in None, grid, grid:  # the default kernel needs the bounds alone
+        library.well("cw_field_build", small, run)
+        built.append(library.describe(small)["bytes_built"])
+    assert built[0] == built[1] > 0 and built[3] == built[2] > built[1]
+    library.closest(small, rays, grid)
+    library.well("cw_field_update", small, None, library.struct("cw_update", at=(1, 1, 1, 1), samples=library.keep(np.zeros(1, "f4"))))
+    fails(NOT_BUILT, grid, small)  # an update drops what it does not keep up to date
+    assert library.describe(small)["bytes_built"] == built[0]
+
+
+def test_errors_say_what_was_wrong(library):
+    """The sentence names argument, value and limit."""
+    field, rays = library.field(np.zeros((2, 2))), random_rays(1, 2, 2)
+    assert library.fails(ARGUMENT, "cw_field_create", library.desc([[0]] * 5), None, Room("u8")) == "nx: 1 samples; a field has 2 to 8388608 a side"
+    assert library.fails(KERNEL, "cw_closest", field, library.run(kernel="packet99"), rays, 1, Room(HIT)) == "kernel: there is no kernel of that name"
+    assert library.fails(ARGUMENT, "cw_closest", field, None, None, 7, Room(HIT)) == "rays: NULL for 7 rays"
+    assert library.asked("cw_closest", field, None, rays, 1, Room(HIT))[:2] == (OK, "rays: NULL for 7 rays")
+    assert library.fails(KERNEL, "cw_run_check", None, library.run(kernel="pyramid1", leaf=1)) == "leaf: pyramid1 does not have the leaf test moller-trumbore"
+    library.well("cw_run_check", field, None)
+
+
+def test_names(library):
+    texts = [library.call("cw_status_message", s)[0] for s in (*range(8), -1, 1000)]
+    assert len(set(texts[:8])) == 8 and all(len(text) > 5 and text[-1] != "." for text in texts)
+    assert [library.call("cw_isa_name", k)[0] for k in (6, -1)] == [library.call("cw_leaf_name", 3)[0]] + ["NULL"]
+    assert library.call("cw_leaf_name", 2)[0] == "watertight"
+    count = library.number("cw_kernel_count")
+    assert library.number("cw_kernel_at", count) == library.number("cw_kernel_at", ALL) == 0
+    for k in range(-6, count):
+        kernel = library.number("cw_kernel_at", k) if k >= 0 else library.number("cw_kernel_find", [None, "", "packet", "packet99", "none", None][k])
+        kernel = 0 if k == -6 else kernel
+        info = library.describe_kernel(kernel)
+        name, what = (library.call("text", int(info[part]))[0] for part in ("name", "what"))
+        assert library.number("cw_kernel_exists", kernel) == (k >= 0) and (kernel != 0) == (k > -6)
+        if k < 0:
+            assert not info["available"] and name == "none"
+        else:
+            assert library.number("cw_kernel_find", name) == kernel and info["width"] >= 1 and len(what) > 5 and info["default_leaf"] != 0
+
+
+def test_structs_that_the_library_fills_grow(library):
+    """An older program gets the members that it knows, a newer one zeros for the others."""
+    field, info = library.field(np.zeros((3, 4)), np.diag((2, 3, 4, 0))[:3]), STRUCTS["cw_field_info"]
+    newer = library.call("cw_field_describe_into", field, Room("u1", info.itemsize + 64), info.itemsize + 64)[1]
+    assert newer[:info.itemsize].view(info)["map"][0, 1, 1] == 3 and not newer[info.itemsize:].any()
+    older = library.call("cw_field_describe_into", field, Room(info), info.fields["holes"][1])[1]
+    assert older["ny"] == 3 and (older["holes"].view("u1") == NOTHING).all()
+    kernel = STRUCTS["cw_kernel_info"]
+    older = library.call("cw_kernel_describe_into", library.number("cw_kernel_at", 0), Room(kernel), 8)[1]
+    assert library.call("text", int(older["name"][0]))[0] == "brute" and older["width"] == 0x5a5a5a5a
+
+
+def test_memory_is_the_callers(library):
+    """All that a field holds comes from its allocator and goes back to it."""
+    count = library.keep(np.zeros(1, "i8"))
+    allocator = library.struct("cw_allocator", context=count, **{part: library.number(part) for part in ("allocate", "release")})
+    held = []
+    for _, kernel, _ in library.kernels():
+        desc = library.desc(np.zeros((33, 33)), allocator=library.keep(allocator))
+        field = int(library.well("cw_field_create", desc, library.run(kernel=kernel), Room("u8"))[0])
+        library.call("poke", int(desc["allocator"][0]), np.zeros_like(allocator))  # it was copied
+        heading = int(library.well("cw_heading_create", field, library.struct("cw_heading_desc", dir=(1, 0.5)), Room("u8"))[0])
+        held.append(library.call("peek", count, Room("i8"))[1][0])
+        library.call("cw_heading_destroy", heading)
+        library.call("cw_field_destroy", field)
+        assert library.call("peek", count, Room("i8"))[1][0] == 0
+    assert min(held) >= 5
+
+
+def test_arrays_of_any_length_at_any_place(library):
+    """Every ray has the answer that it has alone, and nothing is written beside answers (library.c)."""
+    most = 67
+    z, rays = np.random.default_rng(7).random((17, 17)), random_rays(most, 17, 17)
+    field = library.field(z)
+    for name, kernel, info in library.kernels():
+        run = library.run(kernel=kernel)
+        library.well("cw_field_build", field, run)
+        single = np.concatenate([library.closest(field, rays[k:k + 1], run) for k in range(most)])
+        assert 10 < (single["i"] >= 0).sum() < most - 3
+        for n in filter(lambda n: takes(n, 4), range(most + 1)):
+            place = 4 * (n % 16)
+            hits = library.well("cw_closest", field, run, At(rays[:n], place), n, Room(HIT, n, place))
+            seen = library.well("cw_occluded", field, run, At(rays[:n], place), n, Room("u1", n, n % 16))
+            assert hits.tobytes() == single[:n].tobytes() and (seen == (single[:n]["i"] >= 0)).all(), (name, n)
+
+
+# ---- instruction sets --------------------------------------------------------------------------------------------------------
+
+ISAS = ["any", "scalar", "sse4.2", "avx2", "avx512", "neon"]
+INCLUDES = {1: [1], 2: [1, 2], 3: [1, 2, 3], 4: [1, 2, 3, 4], 5: [1, 5]}
+
+
+def common(a, b):
+    """The widest set that both include."""
+    return max(set(INCLUDES[a]) & set(INCLUDES[b]), key=lambda isa: len(INCLUDES[isa]))
+
+
+def test_what_includes_what(library):
+    for a in range(6):
+        for b in range(6):
+            assert library.number("cw_isa_includes", a, b) == (b in INCLUDES.get(a, [])), (a, b)
+    assert [library.call("cw_isa_name", k)[0] for k in range(1, 6)] == ISAS[1:]
+
+
+@pytest.mark.parametrize("value", [None, "", "sse", "AVX2", "avx512 ", "none", *ISAS[1:]])
+def test_the_variable_bounds_the_process(folder, value):
+    """Names of sets do, and other values do not; a program's limit works within it, whichever comes first."""
+    env = {key: text for key, text in os.environ.items() if key != "CELLWALK_ISA"}
+    free, bounded, limited = Library(env=env), *(Library(env=env | ({} if value is None else {"CELLWALK_ISA": value})) for _ in range(2))
+    machine = free.number("cw_isa_best")
+    allowed = common(machine, ISAS.index(value)) if value in ISAS else machine
+    limited.call("cw_isa_limit", 0)
+    assert bounded.number("cw_isa_best") == limited.number("cw_isa_best") == allowed
+    for isa in [k for last in range(1, 6) for other in range(1, 6) for k in (last, other)]:  # down and up
+        bounded.call("cw_isa_limit", isa)
+        assert bounded.number("cw_isa_best") == common(isa, allowed)
+    for isa in 1, allowed, 0:
+        bounded.call("cw_isa_limit", isa)
+        within = common(isa or allowed, allowed)
+        assert all(info["isa"] in INCLUDES[within] for _, _, info in bounded.kernels())
+    assert bounded.number("cw_isa_best") == allowed
+    bounded.call("setenv", "CELLWALK_ISA", "avx512" if allowed == 1 else "scalar")  # it has been read
+    assert bounded.number("cw_isa_best") == allowed
+    for program in free, bounded, limited:
+        program.end()
+
+
+def test_a_run_keeps_within_its_limit(library):
+    best = library.number("cw_isa_best")
+    for isa in range(1, 6):
+        used = library.describe_kernel(library.number("cw_run_kernel", None, library.run(isa=isa)))["isa"]
+        assert used in INCLUDES[isa] and used in INCLUDES[best]
+        for k in range(library.number("cw_kernel_count")):
+            kernel = library.number("cw_kernel_at", k)
+            info = library.describe_kernel(kernel)
+            may = info["available"] and info["isa"] in INCLUDES[isa]
+            assert library.asked("cw_run_check", None, library.run(kernel=kernel, isa=isa))[0] == (OK if may else KERNEL)
+
+
+def test_a_limit_does_not_reach_into_a_query(library):
+    """It goes on with the kernel that it has begun with."""
+    rays = random_rays(20000, 17, 17)
+    field = library.field(np.random.default_rng(7).random((17, 17)))
+    run = library.run(kernel=library.number("cw_run_kernel", None, None), watch=library.number("lower_limit"))
+    expected = library.closest(field, rays)
+    for name, given in ("cw_closest", rays), ("cw_closest_user", rays.astype(STRUCTS["cw_user_ray"])):
+        assert library.of_each(name, field, given, HIT, run=run).tobytes() == expected.tobytes()
+        assert library.number("cw_isa_best") == 1
+        library.call("cw_isa_limit", 0)
