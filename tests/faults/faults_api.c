@@ -14,31 +14,23 @@
 enum { SIDE = 70, THREADS = 5 };
 
 static test_field land;
-static cw_field_desc d;
 
 static int set_up(void **state) {
     (void)state;
     field_make_land(&land, SIDE, SIDE);
-    d = (cw_field_desc){.samples = land.z, .nx = SIDE, .ny = SIDE};
     return 0;
 }
 
 /* Does one thing, undoes it, and tells how it went. */
 typedef cw_status act(const void *context);
 
-static cw_status make_field(const void *context) {
-    (void)context;
-    cw_field *field = (cw_field *)&land; /* anything but NULL */
-    const cw_status status = cw_field_create(&d, NULL, &field);
-    if ((field == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT; /* which is told as another failure */
-    cw_field_destroy(field);
-    return status;
-}
+static cw_status make_call(const void *context) { return ((const every_call *)context)->make(NULL); }
 
 /* Built anew after a failure, and asked. */
 static cw_status build(const void *context) {
     const cw_kernel *kernel = context;
     const cw_ray ray = {.org = {30, 30.5f, 2000}, .dir = {0.1f, 0, -1}, .tmax = INFINITY};
+    const cw_field_desc d = {.samples = land.z, .nx = SIDE, .ny = SIDE};
     cw_field *field;
     cw_hit hit;
     cw_status status = cw_field_create(&d, &(cw_run){.expert.kernel = cw_kernel_find("cell")}, &field);
@@ -52,26 +44,17 @@ static cw_status build(const void *context) {
     return status;
 }
 
-static cw_status make_pool(const void *context) {
-    (void)context;
-    cw_pool *pool = (cw_pool *)&land;
-    const cw_status status = cw_pool_create(THREADS, &pool);
-    if ((pool == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT;
-    cw_pool_destroy(pool);
-    return status;
-}
-
 static void run_one(void *context, cw_task_fn *task, void *argument, uint32_t count) {
     (void)context;
     for (unsigned k = 0; k < count; k++) task(argument, k);
 }
 
-static cw_status make_pool_on(const void *context) {
-    (void)context;
+/* On the caller's tasks if there is a context. */
+static cw_status make_pool(const void *context) {
     const cw_tasks tasks = {.threads = 2, .run = run_one};
-    cw_pool *pool = (cw_pool *)&land;
-    const cw_status status = cw_pool_create_on(&tasks, &pool);
-    if ((pool == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT;
+    cw_pool *pool = (cw_pool *)&land; /* anything but NULL */
+    const cw_status status = context ? cw_pool_create_on(&tasks, &pool) : cw_pool_create(THREADS, &pool);
+    if ((pool == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT; /* which is told as another failure */
     cw_pool_destroy(pool);
     return status;
 }
@@ -103,9 +86,12 @@ static unsigned long check_every_fault(const char *name, act *what, const void *
 
 static void what_is_made_is_made_whole(void **state) {
     (void)state;
-    unsigned long injections = check_every_fault("field", make_field, NULL) +
-                               check_every_fault("pool", make_pool, NULL) +
-                               check_every_fault("pool on tasks", make_pool_on, NULL);
+    unsigned long injections =
+        check_every_fault("pool", make_pool, NULL) + check_every_fault("pool on tasks", make_pool, &land);
+    calls_begin(&land, NULL);
+    for (size_t k = 0; k < every_calls_count; k++)
+        if (every_calls[k].allocates) injections += check_every_fault(every_calls[k].name, make_call, &every_calls[k]);
+    calls_end();
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         if (info.available)

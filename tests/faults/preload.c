@@ -42,7 +42,6 @@ static bool fails(fault_kind kind) {
     return atomic_fetch_add(&calls[kind], 1) + 1 == failing_number && (int)kind == failing;
 }
 
-#ifdef FAULTS_IN_PROCESS /* a part of a test, which says when */
 void faults_begin(fault_kind kind, unsigned long number) {
     failing = (int)kind;
     failing_number = number;
@@ -57,28 +56,25 @@ fault_counts faults_end(void) {
     for (int k = 0; k < FAULT_KINDS; k++) counts.calls[k] = atomic_load(&calls[k]);
     return counts;
 }
-#else
+
+#ifndef FAULTS_IN_PROCESS /* else it is a part of a test, which says when */
 __attribute__((constructor)) static void start(void) {
-    const char *fault = getenv("CELLWALK_FAULT");
-    for (int k = 0; fault && k < FAULT_KINDS; k++) {
-        const size_t length = strlen(fault_names[k]);
-        if (strncmp(fault, fault_names[k], length) != 0 || fault[length] != ':') continue;
-        failing = k;
-        failing_number = strtoul(fault + length + 1, NULL, 10);
-    }
-    const char *threads = getenv("CELLWALK_THREADS");
+    const char *fault = getenv("CELLWALK_FAULT"), *threads = getenv("CELLWALK_THREADS");
+    const char *number = fault ? strchr(fault, ':') : NULL;
+    int kind = 0;
+    while (number && strncmp(fault, fault_names[kind], (size_t)(number - fault)) != 0) kind++;
     if (threads != NULL) atomic_store(&room, strtol(threads, NULL, 10));
-    atomic_store(&counting, true);
+    faults_begin((fault_kind)kind, number ? strtoul(number + 1, NULL, 10) : 0);
 }
 
 __attribute__((destructor)) static void finish(void) {
-    atomic_store(&counting, false);
+    const fault_counts counts = faults_end();
     const char *path = getenv("CELLWALK_FAULT_COUNTS");
     char text[256];
     size_t used = 0;
     for (int k = 0; k < FAULT_KINDS; k++)
-        used += (size_t)snprintf(text + used, sizeof text - used, "%lu ", atomic_load(&calls[k]));
-    used += (size_t)snprintf(text + used, sizeof text - used, "%ld\n", atomic_load(&blocks));
+        used += (size_t)snprintf(text + used, sizeof text - used, "%lu ", counts.calls[k]);
+    used += (size_t)snprintf(text + used, sizeof text - used, "%ld\n", counts.blocks);
     const int fd = path ? open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : -1;
     if (fd < 0) return;
     if (write(fd, text, used) < 0) abort();

@@ -133,7 +133,6 @@ static void note_pass(oracle *o, double at, const segment *change) {
     const oracle_triangle *t = &change->triangle[0];
     o->truth.passes = true;
     o->truth.pass_t = at;
-    o->truth.pass_triangle = *t;
     o->truth.pass_blur = blur(o, t);
     const double near = change->from.t, root = near - oracle_height(o, t, near) / slope(o, t);
     o->truth.pass_edge = edge_distance(o, t, root);
@@ -211,11 +210,9 @@ hit_check oracle_check(oracle *o, const cw_hit *hit) {
     const double d = fabs(oracle_height(o, &t, at)), d_uncertainty = part * error + evaluation(o, at, t.i, t.j);
     c.apart = -edge_distance(o, &t, at);
     c.apart_most = delta(o, t.i, t.j) + bounds_place_of_t(&o->bounds, at);
-    c.error = error;
     c.residual = d / error;
     const double apart_uncertainty = part * c.apart_most + bounds_place_evaluation(&o->bounds, at);
-    c.uncertain = fabs(c.apart - c.apart_most) <= apart_uncertainty || fabs(d - error) <= d_uncertainty;
-    if (c.uncertain)
+    if (fabs(c.apart - c.apart_most) <= apart_uncertainty || fabs(d - error) <= d_uncertainty)
         c.holds = exact_within(o, &t, at, error, c.apart_most);
     else
         c.holds = c.apart <= c.apart_most && c.residual <= 1;

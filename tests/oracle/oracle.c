@@ -268,7 +268,6 @@ static void walk(oracle *o, crossing start, crossing end) {
     add_triangles(o, &place, at_start(o, &axes[0], &start), at_start(o, &axes[1], &start),
                   at_start(o, &axes[2], &start));
     if (touches(o, &place, &start)) hit_at(o, &start, &place);
-    int last = 0; /* the side that the ray was on, off the surface, since it came over solid triangles */
     while (order(o, &start, &end) < 0) {
         segment *s = &o->segment[o->segments++];
         s->from = start;
@@ -282,11 +281,6 @@ static void walk(oracle *o, crossing start, crossing end) {
             if (!o->truth.hit) search(o, s, axes);
             if (s->side_from == 0 && s->side_to == 0 && o->truth.t == exact_value(o, &s->from))
                 o->truth.coplanar = true;
-            if (last * s->side_from < 0 || (s->side_from ? s->side_from : last) * s->side_to < 0)
-                o->truth.strict_pass = true;
-            last = s->side_to ? s->side_to : s->side_from ? s->side_from : last;
-        } else {
-            last = 0;
         }
         /* A vertex between holes may belong to a solid triangle that the ray touches nowhere else. */
         if (o->holes && !o->truth.hit) {

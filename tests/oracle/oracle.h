@@ -44,11 +44,9 @@ typedef struct oracle_truth {
     bool coplanar; /* the ray runs within a triangle from the hit on */
     bool passes;   /* clearly passes, at any t */
     double pass_t; /* the first crossing by which it has */
-    /* Where it goes through: the triangle, the distance to its nearest edge, and how far Möller-Trumbore's place there
+    /* Where it goes through: the distance to its triangle's nearest edge, and how far Möller-Trumbore's place there
      * may be off: it may leak where pass_edge <= pass_blur, and has no excuse elsewhere. */
-    oracle_triangle pass_triangle;
     double pass_edge, pass_blur;
-    bool strict_pass; /* d changes sign over solid triangles, clearly or not */
 } oracle_truth;
 
 /* Traces one ray; the truth stays until the next. */
@@ -101,11 +99,8 @@ bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *o
 /* What oracle_judge looks at first: is a hit where the present ray and the surface are, within the bounds? Doubles decide
  * where their error cannot matter, exact numbers where it could. */
 typedef struct hit_check {
-    bool holds;      /* no phantom */
-    bool uncertain;  /* doubles could not decide */
-    double residual; /* as in judgement */
-    double error;    /* the bound that residual is relative to */
-    double apart, apart_most;
+    bool holds;                         /* no phantom */
+    double residual, apart, apart_most; /* as in judgement */
 } hit_check;
 hit_check oracle_check(oracle *o, const cw_hit *hit);
 

@@ -28,9 +28,9 @@ void tally_explain(const test_field *f, const cw_ray *ray, const cw_hit *hit, co
     field_print(f);
     ray_print(ray);
     hit_print("kernel", hit);
-    printf("truth: %s, t %a, %u triangles, first (%d, %d) %u%s%s", truth->hit ? "hit" : "miss", truth->t, truth->at,
+    printf("truth: %s, t %a, %u triangles, first (%d, %d) %u%s", truth->hit ? "hit" : "miss", truth->t, truth->at,
            (int)truth->triangle[0].i, (int)truth->triangle[0].j, (unsigned)truth->triangle[0].triangle,
-           truth->coplanar ? ", coplanar" : "", truth->strict_pass ? ", changes sides" : "");
+           truth->coplanar ? ", coplanar" : "");
     if (truth->passes)
         printf(", has passed at t %a, through a triangle %g from its nearest edge (%g)", truth->pass_t,
                truth->pass_edge, truth->pass_blur);
