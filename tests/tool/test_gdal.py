@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What files may make GDAL do, as users run the program: wait for nobody, read no memory, send no request unless asked for. ../io/network_filter.c
+"""What files may make GDAL do, as users run the program: wait for nobody, read no memory, send no request unless asked for. ../io/test_network.py
 tries the filter behind that call by call."""
 import os
 import socket
