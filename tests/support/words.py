@@ -23,6 +23,10 @@ def folder():
         os.chdir(home)
 
 
+def options(words):
+    return " ".join(f"{key}={value}" for key, value in words.items())
+
+
 class Program:
     """A small C program that obeys commands. Calling an object sends a command and returns the answer."""
     name, has_kernels = None, True
@@ -73,7 +77,7 @@ class Files(Program):
 
     def raster_words(self, name, nodata=(), cellsize=0, zscale=0, **words):
         np.array([*nodata, *[0] * (2 - len(nodata)), cellsize, zscale], float).tofile("options")
-        return "raster", name, " ".join(f"{key}={value}" for key, value in {**words, "nodata": len(nodata)}.items())
+        return "raster", name, options({**words, "nodata": len(nodata)})
 
     def raster(self, name, **options):
         found = self.facts(*self.raster_words(name, **options))
@@ -91,7 +95,7 @@ class Scenes(Program):
 
     def render(self, general=0, **words):
         """The picture of the scene that was loaded last, (rows, columns, RGB), and the facts."""
-        found = self.facts("render", " ".join(f"{key}={value}" for key, value in {**words, "general": general}.items()))
+        found = self.facts("render", options({**words, "general": general}))
         return np.fromfile("pixels", "f4").reshape(found.height, found.width, 3), found
 
 
@@ -115,55 +119,80 @@ def observer(x, y, height, target=0, curvature=0, nearest=0, farthest=0, azimuth
     return struct.pack("11d2I64x", x, y, height, target, curvature, nearest, farthest, *azimuths, *verticals, absolute, limits)
 
 
+def visibility(height=0, target=0, farthest=0, curvature=0, directions=0, every=0):
+    return struct.pack("4d2I64x", height, target, farthest, curvature, directions, every)
+
+
 class Lands(Program):
     """terrain/lands.c. Samples are 10 m apart, the first row in the north, unless a map says otherwise."""
     name = "cellwalk_lands"
 
-    def land_words(self, z, map=((10, 0, 0, 0), (0, -10, 0, 0), (0, 0, 1, 0)), geographic=0, unit=0):
+    def land_words(self, z, map=((10, 0, 0, 0), (0, -10, 0, 0), (0, 0, 1, 0)), geographic=0, unit=0, gap=0, **words):
+        """gap: of so many numbers behind each row of the samples."""
         self.z = np.ascontiguousarray(z, "f4")
-        self.z.tofile("z")
+        np.pad(self.z, ((0, 0), (0, gap)), constant_values=1e9).tofile("z")
         np.array([*np.ravel(map), unit], float).tofile("map")
-        return "land", f"nx={self.z.shape[1]} ny={self.z.shape[0]} geographic={geographic}"
+        ny, nx = self.z.shape
+        return "land", options({"nx": nx, "ny": ny, "stride": gap and nx + gap, "geographic": geographic, **words})
 
     def land(self, *words, **more):
         """Its samples."""
         self(*self.land_words(*words, **more))
         return self.z
 
-    def run(self, desc, *words):
-        with open("desc", "wb") as file:
-            file.write(desc)
-        self(*words)
+    def product_words(self, name, desc, to=b"", **words):
+        for file, content in ("desc", desc), ("to", to):
+            with open(file, "wb") as file:
+                file.write(content)
+        return name, options(words)
 
-    def filled(self, name, type):
-        return np.fromfile(name, type).reshape(self.z.shape)
-
-    def product(self, name, desc):
-        self.run(desc, name)
-        return self.filled("out", "f4").astype(float)
+    def product(self, name, desc, type="f4", **words):
+        """Of the whole field."""
+        self(*self.product_words(name, desc, bytes(self.z.size * np.dtype(type).itemsize), **words))
+        out = np.fromfile("out", type).reshape(self.z.shape)
+        return out.astype(float) if type == "f4" else out
 
     def shadow(self, azimuth, altitude, curvature=0):
-        self.run(light(azimuth, altitude, curvature=curvature), "shadow")
-        return np.fromfile("seen", "u1")[:self.z.size].reshape(self.z.shape)
+        return self.product("shadow", light(azimuth, altitude, curvature=curvature), "u1")
 
     def angles(self, desc, number=0):
         """Degrees, metres."""
-        self.run(desc, "angles", number)
-        return self.filled("out", "f4"), self.filled("more", "f4")
+        return [self.product(name, desc, number=number) for name in ("angles", "metres")]
 
-    def viewshed(self, desc):
-        """Whether samples are seen, angles, sums of the weights 1, 2, 3."""
-        self.run(desc, "viewshed")
-        return self.filled("seen", "u2"), self.filled("out", "f4").astype(float), self.filled("sums", float)
+    def viewshed(self, desc, to=None):
+        """Whether samples are seen, angles, sums of the weight 2.5, needed heights; to: where they go."""
+        n = self.z.size
+        self(*self.product_words("view all", desc, to or bytes(18 * n)))
+        out = np.fromfile("out", "u1")
+        return [out[begin * n:end * n].view(type).reshape(self.z.shape) for begin, end, type in ((16, 18, "u2"), (8, 12, "f4"), (0, 8, float), (12, 16, "f4"))]
+
+    def lines_words(self, curvature, lines, words=""):
+        with open("desc", "wb") as file:
+            file.write(struct.pack("d", curvature) + lines)
+        return "lines", words
+
+    def lines(self, *words):
+        """Answers to lines, each the bytes of a cw_sight."""
+        self(*self.lines_words(*words))
+        return np.fromfile("out", [("metres", "f8"), ("blocked", "3f8"), ("distance", "f8"), ("state", "u4"), ("end", "u4")])
+
+    def round(self, place, height, absolute=1, target=0, curvature=0, farthest=0):
+        """From a place in field coordinates: what is seen, what is needed, the eye, the earth's fall."""
+        with open("desc", "wb") as file:
+            file.write(struct.pack("7d", *place, height, absolute, target, curvature, farthest))
+        self("round")
+        return [np.fromfile(name, type).reshape(self.z.shape) for name, type in (("seen", "u2"), ("needed", "f4"))] + [np.fromfile(name) for name in ("eye", "fall")]
 
     def table(self, name, rows, columns=None):
         """A row of answers for each, or all that is found in so many columns."""
         rows = np.array(rows, float)
-        self.run(rows.tobytes(), name)
+        rows.tofile("desc")
+        self(name)
         return np.fromfile("out").reshape((-1, columns) if columns else (len(rows), -1))
 
     def rays(self, rays):
-        self.run(np.ascontiguousarray(rays, "f4").tobytes(), "rays")
+        np.ascontiguousarray(rays, "f4").tofile("desc")
+        self("rays")
         return np.fromfile("out", "u1").astype(int)
 
     def visible_words(self, how, rectangle=None, every=1, row=0, count=None, **words):
@@ -172,7 +201,7 @@ class Lands(Program):
         left, top, wide, high = rectangle or (0, 0, *self.z.shape[::-1])
         words = {"left": left, "top": top, "wide": wide, "high": high, "every": every, "row": row, **words,
                  "count": -(-high // max(every, 1)) - row if count is None else count}
-        return "visible", " ".join(f"{key}={value}" for key, value in words.items())
+        return "visible", options(words)
 
     def visible(self, how, rectangle=None, **words):
         """Areas, distances and directions, an eye a number."""
@@ -180,9 +209,9 @@ class Lands(Program):
         wide = -(-(rectangle[2] if rectangle else self.z.shape[1]) // words.get("every", 1))
         return [np.fromfile(name, type).reshape(-1, wide) for name, type in (("area", float), ("far", "f4"), ("direction", "f4"))]
 
-    def coarser(self, factor, filter, threads=1):
+    def coarser(self, **words):
         """Samples; above, below, rms; lost, made."""
-        found = self.facts("coarser", factor, filter, threads)
+        found = self.facts("coarser", options(words))
         difference = np.fromfile("difference", "u1").tobytes()
         return np.fromfile("out", "f4").reshape(found.ny, found.nx), np.frombuffer(difference, float, 3), np.frombuffer(difference, "u8", 2, 24)
 

@@ -91,7 +91,7 @@ def test_definitions(lands, shape, nx, ny, factor):
     for filter in MEAN, HIGHEST, LOWEST:
         if not takes(case + filter, 3):
             continue
-        coarse, (above, below, rms), (lost, made) = lands.coarser(factor, filter)
+        coarse, (above, below, rms), (lost, made) = lands.coarser(factor=factor, filter=filter)
         assert coarse.shape == (-(-(ny - 1) // factor) + 1, -(-(nx - 1) // factor) + 1)
         whole = exact(full)
         for b, a in np.ndindex(coarse.shape):
@@ -123,7 +123,7 @@ def test_threads_change_no_bit(lands, filter):
     z[330:][random.random((79, 613)) < 0.01] = np.nan
     lands.land(z)
     for factor in 2, 5:
-        one, other = (lands.coarser(factor, filter, threads) for threads in (1, 4))
+        one, other = (lands.coarser(factor=factor, filter=filter, pool=pool) for pool in (0, 1))
         assert one[0].tobytes() == other[0].tobytes() and (one[1] == other[1]).all() and (one[2] == other[2]).all()
 
 
@@ -131,5 +131,5 @@ def test_places_stay(lands):
     """A place has the same user coordinates in both, and the field owns its samples: the program changes one."""
     map = np.array([[3, 0.5, 0.25, 100], [-1, 2, 0, 200], [0.125, 0, 0.5, 7]])
     lands("field", lands.land_words([[1, 2, 3], [4, 5, 6]], map)[1])
-    coarse, _, _ = lands.coarser(2, HIGHEST)
+    coarse, _, _ = lands.coarser(factor=2, filter=HIGHEST)
     assert (np.fromfile("point") == map @ [2, 0, coarse[0, 1], 1]).all()

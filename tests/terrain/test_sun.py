@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Hours and energy of sunlight, and the sky over leaning ground, against an almanac, closed forms, numbers worked out by hand from
 the published formulas, and sums of single shadows; metres, directions, times and the sun against known numbers."""
+import struct
+
 import numpy as np
 import pytest
 from program import takes
@@ -20,9 +22,8 @@ def suns_of(lands, midnight, days, minutes, longitude, latitude):
 def sunlight(lands, suns, hours, curvature=0, directions=0):
     """Hours, direct and diffuse energy."""
     np.ascontiguousarray(suns).tofile("suns")
-    np.array([hours, 3, curvature, directions], float).tofile("desc")
-    diffuse = float.fromhex(lands("light"))
-    return *np.fromfile("out", "f4").reshape(2, SIDE, SIDE), diffuse
+    desc = struct.pack("4d", hours, 3, curvature, directions)
+    return *(lands.product(f"sun {kind}", desc) for kind in ("hours", "direct")), lands.product("sun diffuse", desc, "f8")[0, 0]
 
 
 def slopes(z):

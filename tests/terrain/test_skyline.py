@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The skyline against all edges one by one: edges anywhere, that share ends, that are narrow or a single place, and that are added from
+where a look last was."""
+import numpy as np
+from program import takes
+
+BLUR = 2.0**-19
+NEW, ADD, LOOK, LEAST = range(4)  # what lands.c does
+
+
+def check(edges, directions, low, high):
+    """Edges from (u, w) to (u, w). An edge of no width is all between its heights."""
+    edges = np.where(edges[:, :1] > edges[:, 2:3], edges[:, [2, 3, 0, 1]], edges)
+    (a, wa, b, wb), u = edges.T[..., None], np.asarray(directions)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        w = np.where(a == b, [np.minimum(wa, wb), np.maximum(wa, wb)], wa + (wb - wa) * ((u - a) / (b - a)))
+    lowest, highest = np.where((u >= a) & (u <= b), w, -np.inf).max(1)
+    assert (low <= lowest + 1e-9).all() and (high >= highest - 1e-9).all()
+    # Elsewhere than next to an end the two are one.
+    near = (u > a - 4 * BLUR) & (u < b + 4 * BLUR)
+    near &= (b - a < BLUR) | (np.abs(u - a) < 4 * BLUR) | (np.abs(u - b) < 4 * BLUR)
+    plain = ~near.any(0) & (low > -np.inf)
+    assert (high[plain] - low[plain]).max(initial=0) < 1e-2
+
+
+def test_edges_one_by_one(lands):
+    for number in range(400):
+        if not takes(number, 80):
+            continue
+        r = np.random.default_rng(number)
+        edges, rows = [], [[NEW, 0, 0, 0, 0, 0, 0]]
+        for _ in range(r.integers(1, 61)):
+            u, w = edges[-1][2:] if edges and r.random() < 1 / 3 else (r.uniform(-1.2, 1.2), r.random())
+            wide = r.choice([0.01 * BLUR, 0, 3 * BLUR, *[0.4] * 5])
+            edges.append([u, w, u + r.uniform(-wide, wide), r.random()])
+            left = min(edges[-1][0], edges[-1][2]) - 1e-3
+            rows.append([ADD, *edges[-1], 0, max(left, -1.5) if r.random() < 0.5 else -np.inf])
+        edges = np.array(edges)
+        far = np.cumsum([-1, *r.uniform(0, 0.01, 500)])
+        far, ends = far[far <= 1], edges[:, ::2][np.abs(edges[:, ::2]) < 1]
+        rows += [[LOOK, u, k > 0, 0, 0, 0, 0] for k, u in enumerate(far)] + [[LOOK, u, 0, 0, 0, 0, 0] for u in ends] + [[LEAST, -1, far[-1], 0, 0, 0, 0]]
+        found = lands.table("skyline", rows)[1 + len(edges):]
+        check(edges, [*far, *ends], *found[:-1].T)
+        assert found[-1, 0] <= found[:len(far), 1].min()
+
+
+def test_rows_of_edges(lands):
+    """Added from left to right again and again, as rows are, ever wider, with looks that begin at pieces found before."""
+    across, rows, edges, r = 50, [[NEW, 0, 0, 0, 0, 0, 0]], [], np.random.default_rng(3)
+    places = np.arange(-1, 1, 0.0037)
+    for row in range(40):
+        u, heights = np.linspace(-1.1, 1.1, across - row + 1), r.random(across - row + 1)
+        for i in range(across - row):
+            edge = [u[i], heights[i], u[i + 1], heights[i + 1]]
+            edges.append(edge)
+            rows.append([ADD, *(edge if i % 2 else edge[2:] + edge[:2]), i > 0, u[i] - 1e-2])
+        rows += [[LOOK, u, k > 0, 0, 0, 0, 0] for k, u in enumerate(places)]
+    kinds, found, edges = np.array(rows)[:, 0], lands.table("skyline", rows), np.array(edges)
+    assert (found[kinds == ADD, 0] == 1).all(), "a piece behind is lost"
+    looks = found[kinds == LOOK].reshape(40, len(places), 2)
+    for row, look in enumerate(looks):
+        check(edges[:sum(across - k for k in range(row + 1))], places, *look.T)
