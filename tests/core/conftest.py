@@ -51,7 +51,7 @@ class Room:
     """For so many of a type, which the library fills, at so many bytes behind a multiple of 64."""
 
     def __init__(self, kind, count=1, offset=0):
-        self.kind, self.count, self.offset = np.dtype(kind), count, offset
+        self.kind, self.count, self.offset = np.dtype(kind), int(count), offset
 
 
 class At(Room):

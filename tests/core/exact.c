@@ -8,8 +8,8 @@
  *    halves make most of it exact in float, so the watertight kernels have to name the exact answer but for few ties. The test takes
  *    all of 2 × 2 and a share of the rest.
  *
- * CELLWALK_TEST_ROUNDS = n takes n times as many fields; 1001 takes all small ones. With CELLWALK_TEST_COUNTS = FILE the counts are
- * kept for papers/robustness.md. */
+ * CELLWALK_TEST_ROUNDS = n takes n times as many fields; 1001 takes all small ones. Lines of JSON are for papers/robustness.md
+ * (support/counts.cmake). */
 
 #include "exact.h"
 
@@ -17,11 +17,8 @@
 #include "check.h"
 #include "rows.h"
 
-#include <errno.h>
 #include <math.h>
-#include <string.h>
-
-static FILE *counts_file; /* NULL: not requested */
+#include <stdio.h>
 
 /* ---- classes of rays --------------------------------------------------------------------------------------------- */
 
@@ -115,19 +112,13 @@ static void test_small_fields(int which) {
     free(rays);
     const tally *t = &counts.tally;
     const size_t *v = t->verdict;
-    tally_print("all rays", t);
-    printf("  %zu of %zu fields; ties: %zu on the rim of a hole or of the field, %zu because a third is no float\n",
-           fields, all_fields, rims, thirds);
-    if (counts_file)
-        fprintf(
-            counts_file,
-            "{\"kind\": \"exhaustive\", \"field\": \"%zu x %zu\", \"heights\": \"%s\", \"fields\": %zu, "
-            "\"all_fields\": %zu, \"rays\": %zu, \"hits\": %zu, \"pass\": %zu, \"right\": %zu, \"tie\": %zu, "
-            "\"rims\": %zu, \"thirds\": %zu, \"leak\": %zu, \"phantom\": %zu, \"wrong_surface\": %zu, \"same_bits\": "
-            "%zu}\n",
-            size.nx, size.ny, base == 4 ? "0, 1, 2, hole" : "0, 1, 2", fields, all_fields, t->rays, t->hits, t->passes,
-            v[VERDICT_RIGHT], v[VERDICT_TIE], rims, thirds, v[VERDICT_LEAK], v[VERDICT_PHANTOM],
-            v[VERDICT_WRONG_SURFACE], counts.answers);
+    printf("{\"kind\": \"exhaustive\", \"field\": \"%zu x %zu\", \"heights\": \"%s\", \"fields\": %zu, \"all_fields\": "
+           "%zu, "
+           "\"rays\": %zu, \"hits\": %zu, \"pass\": %zu, \"right\": %zu, \"tie\": %zu, \"rims\": %zu, \"thirds\": %zu, "
+           "\"leak\": %zu, \"phantom\": %zu, \"wrong_surface\": %zu, \"same_bits\": %zu}\n",
+           size.nx, size.ny, base == 4 ? "0, 1, 2, hole" : "0, 1, 2", fields, all_fields, t->rays, t->hits, t->passes,
+           v[VERDICT_RIGHT], v[VERDICT_TIE], rims, thirds, v[VERDICT_LEAK], v[VERDICT_PHANTOM],
+           v[VERDICT_WRONG_SURFACE], counts.answers);
     check(t->hits > t->rays / 50 || fields < 8, "too few hits for the test to mean anything");
     check(counts.answers > t->rays / fields || fields < 8, "no kernel was compared with the one that was judged");
 }
@@ -170,24 +161,14 @@ static const exact_row table[] = {
 
 static void test_row(void **state) {
     const exact_row *row = *state;
-    exact_begin_row(row);
     row->test(row->number);
+    exact_print_counts(row);
 }
 
 static int set_up(void **state) {
     (void)state;
-    const char *where = getenv("CELLWALK_TEST_COUNTS");
     exact_path_count = paths_find(exact_paths);
-    if (where == NULL ||
-        ((counts_file = fopen(where, "w")) && fputs("{\"kind\": \"run\", \"command\": \"exact\"}\n", counts_file) >= 0))
-        return 0;
-    print_error("%s: %s\n", where, strerror(errno));
-    return -1;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    return counts_file == NULL || (exact_write_counts(counts_file) && fclose(counts_file) == 0) ? 0 : -1;
+    return 0;
 }
 
 int main(int argc, char **argv) {
@@ -198,5 +179,5 @@ int main(int argc, char **argv) {
         const exact_row *row = k < ROWS ? &table[k] : &exact_extremes[k - ROWS];
         tests[k] = (struct CMUnitTest){.name = row->name, .test_func = test_row, .initial_state = (void *)row};
     }
-    return rows_run("exact", tests, n, argc, argv, set_up, tear_down);
+    return rows_run("exact", tests, n, argc, argv, set_up, NULL);
 }

@@ -7,8 +7,6 @@
 #include "rays.h"
 #include "tally.h"
 
-#include <stdio.h>
-
 /* What is expected of watertight kernels: no leak, no phantom, no wrong surface, and t, u and v as good as they have to be. Of
  * Möller-Trumbore: the same, but that rounding may let a ray slip through at an edge, and decides about triangles that the ray is all
  * but parallel to; it never hits a triangle whose plane the ray lies in. */
@@ -49,9 +47,7 @@ typedef struct exact_case {
 } exact_case;
 void exact_expect(const exact_case *c);
 
-/* To stdout, as a sum of the row that runs. */
-void exact_begin_row(const exact_row *row);
-/* Writes the counts of all rows that ran, a line of JSON for each row and path. */
-bool exact_write_counts(FILE *to);
+/* To stdout, a line of JSON for each path: what the row has counted. */
+void exact_print_counts(const exact_row *row);
 
 #endif

@@ -5,9 +5,10 @@
 #include "check.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
-enum { ROWS_MAX = 64, AT_A_TIME = 1024 };
+enum { AT_A_TIME = 1024 };
 
 /* Why an answer is what is expected. */
 typedef enum outcome {
@@ -20,16 +21,7 @@ typedef enum outcome {
 path exact_paths[PATHS_MAX];
 size_t exact_path_count;
 
-static struct {
-    const exact_row *row;
-    size_t count[PATHS_MAX][OUTCOMES];
-} ran[ROWS_MAX], *now = ran;
-
-void exact_begin_row(const exact_row *row) {
-    if (now->row) now++;
-    check(now < ran + ROWS_MAX, "too many rows");
-    now->row = row;
-}
+static size_t outcomes[PATHS_MAX][OUTCOMES]; /* of the row that runs */
 
 static bool as_expected(const path *p, const oracle_truth *truth, const judgement *j, outcome *o) {
     *o = AS_EXPECTED;
@@ -81,10 +73,10 @@ void exact_judge(const test_field *f, const cw_ray *rays, size_t n, exact_choice
     bool part[PATHS_MAX];
     for (size_t p = 0; p < exact_path_count; p++) part[p] = takes_part(&exact_paths[p], f, choice);
     for (size_t first = 0; first < n; first += AT_A_TIME) {
-        const size_t now_rays = n - first < AT_A_TIME ? n - first : AT_A_TIME;
+        const size_t some = n - first < AT_A_TIME ? n - first : AT_A_TIME;
         for (size_t p = 0; p < exact_path_count; p++)
-            if (part[p]) trace(field, &exact_paths[p], rays + first, now_rays, hits[p]);
-        for (size_t k = 0; k < now_rays; k++) {
+            if (part[p]) trace(field, &exact_paths[p], rays + first, some, hits[p]);
+        for (size_t k = 0; k < some; k++) {
             outcome found[PATHS_MAX] = {AS_EXPECTED};
             const cw_ray *ray = &rays[first + k];
             const oracle_truth *truth = oracle_trace(o, ray);
@@ -103,7 +95,7 @@ void exact_judge(const test_field *f, const cw_ray *rays, size_t n, exact_choice
                 } else {
                     counts->answers++;
                 }
-                now->count[p][found[p]]++;
+                outcomes[p][found[p]]++;
             }
         }
     }
@@ -127,23 +119,19 @@ void exact_expect(const exact_case *c) {
         check(hit.t == wanted && (hit.i >= 0) == (wanted < INFINITY), "%s with %s, %s: t = %g instead of %g", q->name,
               cw_leaf_name(q->leaf), c->what, (double)hit.t, (double)wanted);
         check(wanted < INFINITY || hit_same(&hit, &miss), "%s, %s: a miss with odd fields", q->name, c->what);
-        now->count[p][AS_EXPECTED]++;
+        outcomes[p][AS_EXPECTED]++;
     }
     cw_field_destroy(field);
 }
 
 /* Names and texts hold nothing that JSON would have to escape. */
-bool exact_write_counts(FILE *to) {
-    for (size_t k = 0; k < ROWS_MAX && ran[k].row; k++)
-        for (size_t p = 0; p < exact_path_count && ran[k].row->expected; p++) {
-            const size_t *c = ran[k].count[p], asked = c[AS_EXPECTED] + c[SLIPPED] + c[PARALLEL];
-            if (fprintf(
-                    to,
-                    "{\"kind\": \"extreme\", \"item\": \"%s\", \"expected\": \"%s\", \"kernel\": \"%s\", "
-                    "\"leaf\": \"%s\", \"asked\": %zu, \"as_expected\": %zu, \"slipped\": %zu, \"parallel\": %zu}\n",
-                    ran[k].row->name, ran[k].row->expected, exact_paths[p].name, cw_leaf_name(exact_paths[p].leaf),
-                    asked, c[AS_EXPECTED], c[SLIPPED], c[PARALLEL]) < 0)
-                return false;
-        }
-    return true;
+void exact_print_counts(const exact_row *row) {
+    for (size_t p = 0; p < exact_path_count && row->expected; p++) {
+        const size_t *c = outcomes[p], asked = c[AS_EXPECTED] + c[SLIPPED] + c[PARALLEL];
+        printf("{\"kind\": \"extreme\", \"item\": \"%s\", \"expected\": \"%s\", \"kernel\": \"%s\", \"leaf\": \"%s\", "
+               "\"asked\": %zu, \"as_expected\": %zu, \"slipped\": %zu, \"parallel\": %zu}\n",
+               row->name, row->expected, exact_paths[p].name, cw_leaf_name(exact_paths[p].leaf), asked, c[AS_EXPECTED],
+               c[SLIPPED], c[PARALLEL]);
+    }
+    memset(outcomes, 0, sizeof outcomes);
 }

@@ -4,6 +4,7 @@
  * the file out. OFFSET is how far it begins behind a multiple of 64; nothing may be written beside it. */
 
 #include "cellwalk_expert.h"
+#include "fp_register.h"
 #include "words.h"
 
 #include <pthread.h>
@@ -26,6 +27,9 @@ typedef struct value {
 #define F(k)  (float)v[k].d
 #define U(k)  (uint32_t) v[k].n
 #define AT(k) *(const cw_rectangle *)v[k].p
+
+static size_t mode =
+    FP_MODES; /* of the floating-point environment, in which functions are called; FP_MODES and above: as it is */
 
 static void status(cw_status s) { fprintf(answer, "%d %s", s, cw_last_error()); }
 static void number(size_t n) { fprintf(answer, "%zu", n); }
@@ -78,7 +82,8 @@ static void text(const char *t) { fputs(t ? t : "NULL", answer); }
     X(peek, memcpy(P(1), P(0), v[1].size))                                                                             \
     X(poke, memcpy(P(0), P(1), v[1].size))                                                                             \
     X(text, text(P(0)))                                                                                                \
-    X(setenv, setenv(P(0), P(1), 1))
+    X(setenv, setenv(P(0), P(1), 1))                                                                                   \
+    X(set_mode, mode = N(0); number(FP_MODES))
 
 /* ---- memory that stays --------------------------------------------------------------------------------------------------- */
 
@@ -181,6 +186,8 @@ static int obey(char **words, io_error *e) {
     stop_unless(in && out, "in or out");
     for (size_t k = 0; k < WORDS && words[1 + k] && *words[1 + k]; k++) v[k] = value_of(words[1 + k], in);
     int how = OTHER;
+    const uint64_t before = fp_register(), wanted = mode < FP_MODES ? fp_register_mode((unsigned)mode) : before;
+    fp_register_set(wanted);
 #define X(NAME, ...)                                                                                                   \
     if (strcmp(words[0], #NAME) == 0) {                                                                                \
         __VA_ARGS__;                                                                                                   \
@@ -188,6 +195,9 @@ static int obey(char **words, io_error *e) {
     }
     FUNCTIONS
 #undef X
+    if (mode < FP_MODES && fp_register() != wanted)
+        how = io_fail(e, "%s changes the floating-point environment", words[0]);
+    fp_register_set(before);
     for (size_t k = 0; k < WORDS; k++)
         if (!let_go(&v[k], out)) how = io_fail(e, "%s writes beside its argument %zu", words[0], k);
     stop_unless(fclose(in) == 0 && fclose(out) == 0, "in or out");

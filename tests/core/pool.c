@@ -3,9 +3,9 @@
  * shares of each call of the libraries, and ends it. */
 
 #include "calls.h"
-#include "case.h"
 #include "cellwalk_expert.h"
 #include "check.h"
+#include "rays.h"
 
 #include <pthread.h>
 #include <semaphore.h>
@@ -14,14 +14,29 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { CALLERS = 4, THREADS = 4, LIMIT_SECONDS = 120 };
+enum { RAYS = 20000, CALLERS = 4, THREADS = 4, LIMIT_SECONDS = 120 };
 
+static test_field shape;
+static cw_field *field;
+static cw_ray rays[RAYS];
+static cw_hit expected[RAYS];
 static cw_hit got[CALLERS][RAYS];
 static uint8_t occluded[CALLERS][RAYS];
 
 static int set_up(void **state) {
+    (void)state;
     alarm(LIMIT_SECONDS); /* a deadlock is the end of this process, by a signal */
-    return case_begin(state);
+    random_state r = {7};
+    field_make(&shape, FIELD_RANDOM, 17, 17, 7);
+    field = field_open(&shape);
+    for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make((ray_class)(k % RAY_CLASSES), &shape, &r);
+    return cw_closest(field, NULL, rays, RAYS, expected) == CW_OK ? 0 : -1;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    cw_field_destroy(field);
+    return 0;
 }
 
 typedef struct caller {
@@ -377,5 +392,5 @@ int main(void) {
         cmocka_unit_test(each_call_is_watched),  cmocka_unit_test(pools_outlive_a_fork),
         cmocka_unit_test(fields_outlive_a_fork),
     };
-    return cmocka_run_group_tests(tests, set_up, case_end);
+    return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from conftest import (ARGUMENT, HEADERS, HIT, KERNEL, NOT_BUILT, NOTHING, OK, POINTERS, SAMPLE, STRUCTS, At, Library, Room, random_rays)
+from conftest import (ARGUMENT, HEADERS, HIT, KERNEL, NOT_BUILT, NOTHING, OK, POINTERS, STRUCTS, At, Library, Room, random_rays)
 from program import takes
 
 FUNCTIONS = dict(re.findall(r"CW_API cw_status (\w+)\((.*?)\);", HEADERS, re.S))
@@ -113,76 +113,6 @@ def test_each_member(library, good, name):
             is_fine(library, function, arguments(struct), "at and samples")
 
 
-# ---- fields ------------------------------------------------------------------------------------------------------------------
-
-
-def create(library, **members):
-    """The status; only without an error there is a field."""
-    status, error, made = library.asked("cw_field_create", library.struct("cw_field_desc", **members), None, Room("u8"))
-    assert (made[0] == 0) == (status != OK)
-    if status == OK:
-        library.call("cw_field_destroy", int(made[0]))
-    return status
-
-
-def test_sizes(library):
-    z, most = library.keep(np.zeros(12, "f4")), 1 << 23
-    for nx, ny, stride, storage, status in [
-            (3, 2, 0, 0, OK), (3, 2, 6, 0, OK), (3, 2, 0, 2, ARGUMENT), (46341, 46341, 0, 0, ARGUMENT),  # the first square above 2^31
-            (3, 2, 2, 0, ARGUMENT), (3, 2, 2**62, 0, ARGUMENT), (3, 2, ALL, 0, ARGUMENT), (3, 2, 2**31, 1, ARGUMENT),
-            *((nx, ny, 0, 0, ARGUMENT) for side in (0, 1, most + 1, 2**63, ALL) for nx, ny in ((side, 2), (3, side), (side, side)))]:
-        assert create(library, samples=z, nx=nx, ny=ny, stride=stride, storage=storage) == status, (nx, ny, stride, storage)
-    for threads in 4097, 4000000000, 2**32 - 1:
-        status, _, pool = library.asked("cw_pool_create", threads, Room("u8"))
-        assert status == ARGUMENT and pool[0] == 0
-    pool = int(library.well("cw_pool_create", 0, Room("u8"))[0])
-    assert 1 <= library.number("cw_pool_threads", pool) <= 4096 and library.number("cw_pool_threads", None) == 1
-    for destroy, made in ("cw_pool_destroy", pool), *((destroy, None) for destroy in DESTROY.values()):
-        library.call(destroy, made)
-    for threads in 0, 4097:
-        tasks = library.struct("cw_tasks", threads=threads, run=library.number("run_tasks"))
-        assert library.asked("cw_pool_create_on", tasks, Room("u8"))[2][0] == 0
-
-
-def test_maps(library):
-    z = library.keep(np.zeros(4, "f4"))
-    rows = [(1, 0, 0, 0), (0, 0, 0, 0), (0, 0, 1, 0)], [(1, 0, 0, 0), (1, 0, 0, 0), (0, 0, 1, 0)], [(0, 0, 0, 1), (0,) * 4, (0,) * 4], np.diag((1, 1, 1e-320, 0))[:3]
-    odd = [np.where(np.arange(12).reshape(3, 4) == k, bad, np.eye(3, 4)) for k in range(12) for bad in (np.nan, np.inf, -np.inf)]
-    for map in *rows, *odd:  # a row of zeros, two equal ones, a translation alone, an inverse that overflows; what is not finite
-        assert create(library, samples=z, nx=2, ny=2, map=map) == ARGUMENT, map
-    assert create(library, samples=z, nx=2, ny=2, map=1e-9 * np.eye(3, 4)) == OK  # nanometres
-
-
-def test_heights_and_holes(library):
-    """Beyond 2^100 strict answers could overflow."""
-    most, more = np.float32(2.0**100), np.nextafter(np.float32(2.0**100), np.float32(np.inf))
-    for storage in range(2):
-        for z, status in [((0, most, -most, np.nan), OK), ((0, more, -most, np.nan), SAMPLE), ((0, most, -np.finfo("f4").max, np.nan), SAMPLE),
-                          ((0, np.nan, 1, 2), OK), ((0, -np.inf, 1, 2), SAMPLE if storage else OK)]:
-            assert create(library, samples=library.keep(np.array(z, "f4")), nx=2, ny=2, storage=storage) == status, (z, storage)
-    info = library.describe(library.field([[0, -np.inf], [1, 2]]))
-    assert (info["holes"], info["low"], info["high"]) == (1, 0, 2)
-    info = library.describe(library.field([[np.nan] * 2] * 2))
-    assert info["holes"] == 4 and info["low"] > info["high"]
-    z = np.zeros((140, 200))  # in every tile of a field, which are summed up by rows of tiles
-    z.flat[::37] = np.nan
-    assert library.describe(library.field(z))["holes"] == np.isnan(z).sum()
-
-
-def test_borrowed_and_copied(library):
-    z = np.array([[1, 1, 9], [1, 1, 9]], "f4")  # 2 × 2 in rows of three
-    copied, borrowed = (library.field(z, nx=2, stride=3, storage=storage, samples=address) for address in [library.keep(z)] for storage in range(2))
-    assert [library.describe(f)["bytes_samples"] for f in (copied, borrowed)] == [16, 0] and library.describe(borrowed)["high"] == 1
-    library.call("poke", library.number("cw_field_row", borrowed, 0), np.array([np.nan, np.nan, 9] * 2, "f4"))
-    down = np.array([((0.25, 0.5, 3), 0, (0, 0, -1), np.inf)], STRUCTS["cw_ray"])
-    for name, kernel, _ in library.kernels():
-        run = library.run(kernel=kernel)
-        for field in copied, borrowed:
-            library.well("cw_field_build", field, run)
-        hit, miss = (library.closest(field, down, run)[0] for field in (copied, borrowed))
-        assert abs(hit["t"] - 2) <= 2.0**-22 and hit["triangle"] == 1 and miss["i"] == -1, name
-
-
 # ---- queries -----------------------------------------------------------------------------------------------------------------
 
 
@@ -258,23 +188,6 @@ def test_structs_that_the_library_fills_grow(library):
     kernel = STRUCTS["cw_kernel_info"]
     older = library.call("cw_kernel_describe_into", library.number("cw_kernel_at", 0), Room(kernel), 8)[1]
     assert library.call("text", int(older["name"][0]))[0] == "brute" and older["width"] == 0x5a5a5a5a
-
-
-def test_memory_is_the_callers(library):
-    """All that a field holds comes from its allocator and goes back to it."""
-    count = library.keep(np.zeros(1, "i8"))
-    allocator = library.struct("cw_allocator", context=count, **{part: library.number(part) for part in ("allocate", "release")})
-    held = []
-    for _, kernel, _ in library.kernels():
-        desc = library.desc(np.zeros((33, 33)), allocator=library.keep(allocator))
-        field = int(library.well("cw_field_create", desc, library.run(kernel=kernel), Room("u8"))[0])
-        library.call("poke", int(desc["allocator"][0]), np.zeros_like(allocator))  # it was copied
-        heading = int(library.well("cw_heading_create", field, library.struct("cw_heading_desc", dir=(1, 0.5)), Room("u8"))[0])
-        held.append(library.call("peek", count, Room("i8"))[1][0])
-        library.call("cw_heading_destroy", heading)
-        library.call("cw_field_destroy", field)
-        assert library.call("peek", count, Room("i8"))[1][0] == 0
-    assert min(held) >= 5
 
 
 def test_arrays_of_any_length_at_any_place(library):

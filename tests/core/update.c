@@ -224,62 +224,6 @@ static void bounds_are_those_of_the_samples(void **state) {
     check(leaning > 10, "%zu slabs above tiles lean", leaning);
 }
 
-static void what_is_refused_changes_nothing(void **state) {
-    (void)state;
-    random_state r = {4};
-    const place p = make_place(3, LAND, &r);
-    cw_field *borrowed = make_field(&p, CW_BORROW, NULL), *copied = make_field(&p, CW_COPY, NULL);
-    cw_field *anew = make_field(&p, CW_COPY, NULL);
-    float z[6] = {1, 2, 3, 4, 5, 0x1.2p100f};
-    const cw_update good = {.at = {.i = 7, .j = 9, .nx = 3, .ny = 2}, .samples = z};
-    check_status(cw_field_update(copied, NULL, &good), CW_ERROR_SAMPLE);
-    check_status(cw_field_update(borrowed, NULL, &good), CW_ERROR_ARGUMENT);
-    const cw_rectangle at = good.at;
-    const cw_update refused[] = {
-        {.at = at},
-        {.at = at, .samples = z, .stride = 2},
-        {.at = at, .samples = z, .reserved = {0, 0, 1}},
-        /* Rows that no array can hold. */
-        {.at = at, .samples = z, .stride = SIZE_MAX},
-        {.at = at, .samples = z, .stride = SIZE_MAX / 2},
-        {.at = at, .samples = z, .stride = SIZE_MAX / 4 - 5},
-        {.at = at, .samples = z, .stride = SIZE_MAX / 8},
-        {.at = at, .samples = z, .stride = PTRDIFF_MAX / sizeof(float)},
-        /* Outside. */
-        {.at = {.i = 63, .nx = 3, .ny = 1}, .samples = z},
-        {.at = {.j = 64, .nx = 1, .ny = 2}, .samples = z},
-        {.at = {.i = 66, .nx = 0, .ny = 1}, .samples = z},
-        {.at = {.i = SIZE_MAX, .nx = 2, .ny = 1}, .samples = z},
-        {.at = {.i = 1, .nx = SIZE_MAX, .ny = 1}, .samples = z},
-    };
-    for (size_t k = 0; k < sizeof refused / sizeof refused[0]; k++)
-        check(cw_field_update(copied, NULL, &refused[k]) == CW_ERROR_ARGUMENT, "case %zu is accepted", k);
-    const cw_update nothing[] = {{.at = {.i = 65, .nx = 0, .ny = 1}, .samples = z},
-                                 {.at = {.nx = 5, .ny = 0}, .samples = z}};
-    for (size_t k = 0; k < 2; k++) check_status(cw_field_update(copied, NULL, &nothing[k]), CW_OK);
-    check_same(copied, anew, "after refusals");
-
-    float *sample = &p.z[20 * p.stride + 64];
-    const float old = *sample;
-    const cw_update one = {.at = {64, 20, 1, 1}};
-    *sample = INFINITY;
-    check_status(cw_field_update(borrowed, NULL, &one), CW_ERROR_SAMPLE);
-    *sample = -0x1.2p100f;
-    check_status(cw_field_update(borrowed, NULL, &one), CW_ERROR_SAMPLE);
-    *sample = old;
-    check_same(borrowed, anew, "put back after refusals");
-
-    /* In a copy an infinity is a hole. */
-    z[5] = -INFINITY;
-    check_status(cw_field_update(copied, NULL, &good), CW_OK);
-    assert_true(isnan(cw_field_row(copied, 10)[9]));
-    assert_int_equal(cw_field_describe(copied).holes, 1);
-    cw_field_destroy(borrowed);
-    cw_field_destroy(copied);
-    cw_field_destroy(anew);
-    free(p.z);
-}
-
 /* ---- at the same time ------------------------------------------------------------------------------------------------ */
 
 typedef struct meeting {
@@ -348,38 +292,11 @@ static void who_comes_second_is_turned_away(void **state) {
     free(p.z);
 }
 
-/* Of several samples that are refused the first counts, for any number of threads. */
-static void refusals_do_not_depend_on_threads(void **state) {
-    (void)state;
-    random_state r = {8};
-    const place p = make_place(8, LAND, &r);
-    cw_pool *pool;
-    check_status(cw_pool_create(3, &pool), CW_OK);
-    cw_field_desc d = {.samples = p.z, .nx = p.nx, .ny = p.ny, .stride = p.stride, .storage = CW_BORROW};
-    for (int k = 0; k < 20; k++) {
-        cw_field *f;
-        const cw_run how = {.pool = pool};
-        p.z[300 * p.stride + 500] = INFINITY;
-        p.z[301 * p.stride + 3] = 0x1.2p100f; /* in a tile that is looked at before */
-        check_status(cw_field_create(&d, &how, &f), CW_ERROR_SAMPLE);
-        check(strstr(cw_last_error(), "(500, 300) is inf") != NULL, "%s", cw_last_error());
-        p.z[300 * p.stride + 499] = -0x1.2p100f;
-        check_status(cw_field_create(&d, &how, &f), CW_ERROR_SAMPLE);
-        check(strstr(cw_last_error(), "(499, 300) is -1.4") != NULL, "%s", cw_last_error());
-        p.z[300 * p.stride + 499] = 0;
-    }
-    d.reserved[0] = 1;
-    cw_field *f;
-    check_status(cw_field_create(&d, NULL, &f), CW_ERROR_ARGUMENT);
-    cw_pool_destroy(pool);
-    free(p.z);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(updates_give_what_is_made_anew),    cmocka_unit_test(bounds_are_those_of_the_samples),
-        cmocka_unit_test(what_is_refused_changes_nothing),   cmocka_unit_test(who_comes_second_is_turned_away),
-        cmocka_unit_test(refusals_do_not_depend_on_threads),
+        cmocka_unit_test(updates_give_what_is_made_anew),
+        cmocka_unit_test(bounds_are_those_of_the_samples),
+        cmocka_unit_test(who_comes_second_is_turned_away),
     };
     alarm(LIMIT_SECONDS);
     return cmocka_run_group_tests(tests, NULL, NULL);

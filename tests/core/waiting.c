@@ -3,6 +3,7 @@
  * does its work or is turned away. A query sees all of an update or nothing of it, and ThreadSanitizer sees no race. Where a thread
  * starves the test does not end. One test looks into the field's door to know that a call waits. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "field.h"
 
@@ -21,18 +22,22 @@ static cw_field *field;
 
 typedef struct worker {
     pthread_t thread;
-    atomic_bool *stop;         /* NULL: after TURNS */
-    uint32_t wait;             /* updates do */
-    size_t done, away, failed; /* calls; away: turned away, where updates do not wait */
-    size_t torn;               /* queries that saw a part of an update */
+    atomic_bool *stop; /* NULL: after TURNS */
+    uint32_t wait;     /* updates do */
+    cw_run run;        /* of queries */
+    /* Calls; away: turned away, where updates do not wait or have freed what the kernel needs. */
+    size_t done, away, failed;
+    size_t torn; /* queries that saw a part of an update */
 } worker;
 
 static bool goes_on(const worker *w) { return w->stop ? !atomic_load(w->stop) : w->done + w->away + w->failed < TURNS; }
 
 static bool count(worker *w, cw_status status) {
+    const bool away =
+        (status == CW_ERROR_BUSY && !w->wait) || (status == CW_ERROR_NOT_BUILT && w->run.expert.kernel != NULL);
     w->done += status == CW_OK;
-    w->away += status == CW_ERROR_BUSY && !w->wait;
-    w->failed += status != CW_OK && (status != CW_ERROR_BUSY || w->wait);
+    w->away += away;
+    w->failed += status != CW_OK && !away;
     return status == CW_OK;
 }
 
@@ -43,7 +48,7 @@ static void *ask(void *argument) {
                             {.org = {66.5f, 61.25f, 10000}, .dir = {0, 0, -1}, .tmax = INFINITY}};
     while (goes_on(w)) {
         cw_hit hits[2];
-        if (count(w, cw_closest(field, NULL, rays, 2, hits))) w->torn += hits[0].t != hits[1].t;
+        if (count(w, cw_closest(field, &w->run, rays, 2, hits))) w->torn += hits[0].t != hits[1].t;
     }
     return NULL;
 }
@@ -64,7 +69,8 @@ static void run(bool asking_is_counted, uint32_t wait) {
     field = field_of(heights, SIDE, SIDE);
     atomic_bool stop;
     atomic_init(&stop, false);
-    worker w[ASKING + UPDATING] = {{0}};
+    worker w[ASKING + UPDATING] = {{.run.expert.kernel = cw_kernel_find("grid3d")}}; /* the first one's */
+    check_status(cw_field_build(field, &w[0].run), CW_OK);
     for (int k = 0; k < ASKING + UPDATING; k++) {
         w[k].stop = (k < ASKING) == asking_is_counted ? NULL : &stop;
         w[k].wait = wait;
@@ -183,31 +189,6 @@ static void newcomers_wait(void **state) {
     cw_field_destroy(field);
 }
 
-/* ---- moving ------------------------------------------------------------------------------------------------------ */
-
-/* A moved field answers as one that was made there, and keeps its map if the new one is refused. */
-static void fields_move(void **state) {
-    (void)state;
-    static const double far_off[3][4] = {{2, 0, 0, 5e6}, {0, 3, 0, -4e6}, {0, 0, 0.5, 100}}, flat[3][4] = {{1}};
-    cw_field *moved = field_of(heights, SIDE, SIDE), *made = field_mapped(heights, SIDE, SIDE, far_off);
-    check_status(cw_field_move(moved, far_off, 1), CW_OK);
-    check_status(cw_field_move(moved, flat, 0), CW_ERROR_ARGUMENT);
-    check_status(cw_field_move(moved, far_off, 2), CW_ERROR_ARGUMENT);
-    const cw_user_ray ray = {.org = {5e6 + 31, -4e6 + 77, 400}, .dir = {0.25, 0.5, -9}, .tmax = INFINITY};
-    cw_hit hits[2];
-    double normals[2][3];
-    check_status(cw_closest_user(moved, NULL, &ray, 1, &hits[0]), CW_OK);
-    check_status(cw_closest_user(made, NULL, &ray, 1, &hits[1]), CW_OK);
-    check_status(cw_hit_normals(moved, NULL, &hits[0], 1, normals[0]), CW_OK);
-    check_status(cw_hit_normals(made, NULL, &hits[1], 1, normals[1]), CW_OK);
-    check(hits[0].i >= 0 && memcmp(&hits[0], &hits[1], sizeof hits[0]) == 0, "another hit");
-    assert_memory_equal(normals[0], normals[1], sizeof normals[0]);
-    check_status(cw_field_move(moved, (const double[3][4]){{0}}, 0), CW_OK);
-    assert_true(cw_field_describe(moved).map[0][0] == 1 && cw_field_describe(moved).map[0][3] == 0);
-    cw_field_destroy(moved);
-    cw_field_destroy(made);
-}
-
 static int set_up(void **state) {
     (void)state;
     for (size_t k = 0; k < SIDE * SIDE; k++) heights[k] = 1;
@@ -218,7 +199,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(newcomers_wait),
         cmocka_unit_test(none_starves),
-        cmocka_unit_test(fields_move),
     };
     return cmocka_run_group_tests(tests, set_up, NULL);
 }

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fields: what can be one; samples that are borrowed, or change; memory; and that the caller's floating-point environment changes no bit of a
+field's or of an answer."""
+import itertools
+
+import numpy as np
+import pytest
+from conftest import ARGUMENT, HIT, OK, RAY, SAMPLE, STRUCTS, USER_RAY, Room, random_rays
+from program import takes
+
+ALL = 2**64 - 1
+
+
+def create(library, **members):
+    """The status; only without an error there is a field."""
+    status, error, made = library.asked("cw_field_create", library.struct("cw_field_desc", **members), None, Room("u8"))
+    assert (made[0] == 0) == (status != OK)
+    if status == OK:
+        library.call("cw_field_destroy", int(made[0]))
+    return status
+
+
+def test_sizes(library):
+    z, most = library.keep(np.zeros(12, "f4")), 1 << 23
+    for nx, ny, stride, storage, status in [
+            (3, 2, 0, 0, OK), (3, 2, 6, 0, OK), (3, 2, 0, 2, ARGUMENT), (46341, 46341, 0, 0, ARGUMENT),  # the first square above 2^31
+            (3, 2, 2, 0, ARGUMENT), (3, 2, 2**62, 0, ARGUMENT), (3, 2, ALL, 0, ARGUMENT), (3, 2, 2**31, 1, ARGUMENT),
+            *((nx, ny, 0, 0, ARGUMENT) for side in (0, 1, most + 1, 2**63, ALL) for nx, ny in ((side, 2), (3, side), (side, side)))]:
+        assert create(library, samples=z, nx=nx, ny=ny, stride=stride, storage=storage) == status, (nx, ny, stride, storage)
+    for threads in 4097, 4000000000, 2**32 - 1:
+        status, _, pool = library.asked("cw_pool_create", threads, Room("u8"))
+        assert status == ARGUMENT and pool[0] == 0
+    pool = int(library.well("cw_pool_create", 0, Room("u8"))[0])
+    assert 1 <= library.number("cw_pool_threads", pool) <= 4096 and library.number("cw_pool_threads", None) == 1
+    for destroy, made in ("cw_pool_destroy", pool), *((f"cw_{what}_destroy", None) for what in ("pool", "field", "heading")):
+        library.call(destroy, made)
+    for threads in 0, 4097:
+        tasks = library.struct("cw_tasks", threads=threads, run=library.number("run_tasks"))
+        assert library.asked("cw_pool_create_on", tasks, Room("u8"))[2][0] == 0
+
+
+def test_maps(library):
+    z = library.keep(np.zeros(4, "f4"))
+    rows = [(1, 0, 0, 0), (0, 0, 0, 0), (0, 0, 1, 0)], [(1, 0, 0, 0), (1, 0, 0, 0), (0, 0, 1, 0)], [(0, 0, 0, 1), (0,) * 4, (0,) * 4], np.diag((1, 1, 1e-320, 0))[:3]
+    odd = [np.where(np.arange(12).reshape(3, 4) == k, bad, np.eye(3, 4)) for k in range(12) for bad in (np.nan, np.inf, -np.inf)]
+    for map in *rows, *odd:  # a row of zeros, two equal ones, a translation alone, an inverse that overflows; what is not finite
+        assert create(library, samples=z, nx=2, ny=2, map=map) == ARGUMENT, map
+    assert create(library, samples=z, nx=2, ny=2, map=1e-9 * np.eye(3, 4)) == OK  # nanometres
+
+
+def test_heights_and_holes(library):
+    """Beyond 2^100 strict answers could overflow."""
+    most, more = np.float32(2.0**100), np.nextafter(np.float32(2.0**100), np.float32(np.inf))
+    for storage in range(2):
+        for z, status in [((0, most, -most, np.nan), OK), ((0, more, -most, np.nan), SAMPLE), ((0, most, -np.finfo("f4").max, np.nan), SAMPLE),
+                          ((0, np.nan, 1, 2), OK), ((0, -np.inf, 1, 2), SAMPLE if storage else OK)]:
+            assert create(library, samples=library.keep(np.array(z, "f4")), nx=2, ny=2, storage=storage) == status, (z, storage)
+    info = library.describe(library.field([[0, -np.inf], [1, 2]]))
+    assert (info["holes"], info["low"], info["high"]) == (1, 0, 2)
+    info = library.describe(library.field([[np.nan] * 2] * 2))
+    assert info["holes"] == 4 and info["low"] > info["high"]
+    z = np.zeros((140, 200))  # in every tile of a field, which are summed up by rows of tiles
+    z.flat[::37] = np.nan
+    assert library.describe(library.field(z))["holes"] == np.isnan(z).sum()
+
+
+def test_borrowed_and_copied(library):
+    z = np.array([[1, 1, 9], [1, 1, 9]], "f4")  # 2 × 2 in rows of three
+    copied, borrowed = (library.field(z, nx=2, stride=3, storage=storage, samples=address) for address in [library.keep(z)] for storage in range(2))
+    assert [library.describe(f)["bytes_samples"] for f in (copied, borrowed)] == [16, 0] and library.describe(borrowed)["high"] == 1
+    library.call("poke", library.number("cw_field_row", borrowed, 0), np.array([np.nan, np.nan, 9] * 2, "f4"))
+    down = np.array([((0.25, 0.5, 3), 0, (0, 0, -1), np.inf)], STRUCTS["cw_ray"])
+    for name, kernel, _ in library.kernels():
+        run = library.run(kernel=kernel)
+        for field in copied, borrowed:
+            library.well("cw_field_build", field, run)
+        hit, miss = (library.closest(field, down, run)[0] for field in (copied, borrowed))
+        assert abs(hit["t"] - 2) <= 2.0**-22 and hit["triangle"] == 1 and miss["i"] == -1, name
+
+
+def test_memory_is_the_callers(library):
+    """All that a field holds comes from its allocator and goes back to it."""
+    count = library.keep(np.zeros(1, "i8"))
+    allocator = library.struct("cw_allocator", context=count, **{part: library.number(part) for part in ("allocate", "release")})
+    held = []
+    for _, kernel, _ in library.kernels():
+        desc = library.desc(np.zeros((33, 33)), allocator=library.keep(allocator))
+        field = int(library.well("cw_field_create", desc, library.run(kernel=kernel), Room("u8"))[0])
+        library.call("poke", int(desc["allocator"][0]), np.zeros_like(allocator))  # it was copied
+        heading = int(library.well("cw_heading_create", field, library.struct("cw_heading_desc", dir=(1, 0.5)), Room("u8"))[0])
+        held.append(library.call("peek", count, Room("i8"))[1][0])
+        library.call("cw_heading_destroy", heading)
+        library.call("cw_field_destroy", field)
+        assert library.call("peek", count, Room("i8"))[1][0] == 0
+    assert min(held) >= 5
+
+
+# ---- fields that change --------------------------------------------------------------------------------------------------------
+
+
+def change(library, field, at, z=None, **more):
+    """Status and error."""
+    samples = 0 if z is None else library.keep(np.asarray(z, "f4"))
+    return library.asked("cw_field_update", field, None, library.struct("cw_update", at=at, samples=samples, **more))
+
+
+def bits(library, field):
+    """All that a field shows of itself."""
+    info = library.describe(field)
+    rows = [library.call("peek", library.number("cw_field_row", field, j), Room("f4", info["nx"]))[1] for j in range(info["ny"])]
+    return info.tobytes(), np.concatenate(rows).tobytes(), library.closest(field, random_rays(500, info["nx"], info["ny"])).tobytes()
+
+
+def test_updates_that_are_refused_change_nothing(library):
+    z = np.random.default_rng(4).random((65, 66)).astype("f4")
+    borrowed, copied = library.field(z, storage=1), library.field(z)
+    before, at, six = bits(library, copied), (7, 9, 3, 2), [1, 2, 3, 4, 5, 1.125 * 2.0**100]
+    assert change(library, copied, at, six)[0] == SAMPLE and change(library, borrowed, at, six)[0] == ARGUMENT
+    for wrong in [{}, {"z": six, "stride": 2}, {"z": six, "reserved": np.eye(7, dtype="u8")[2]},
+                  *({"z": six, "stride": stride} for stride in (ALL, ALL // 2, ALL // 4 - 5, ALL // 8, 2**63 // 4 - 1)),  # rows that no array can hold
+                  *({"z": six, "at": outside} for outside in ((63, 0, 4, 1), (0, 64, 1, 2), (67, 0, 0, 1), (ALL, 0, 2, 1), (1, 0, ALL, 1)))]:
+        assert change(library, copied, **{"at": at, **wrong})[0] == ARGUMENT, wrong
+    for nothing in (66, 0, 0, 1), (0, 0, 5, 0):
+        assert change(library, copied, nothing, six)[0] == OK
+    assert bits(library, copied) == before
+    sample = library.number("cw_field_row", borrowed, 20) + 4 * 64
+    for height, status in (np.inf, SAMPLE), (-1.125 * 2.0**100, SAMPLE), (z[20, 64], OK):
+        library.call("poke", sample, np.array(height, "f4"))
+        assert change(library, borrowed, (64, 20, 1, 1))[0] == status
+    assert bits(library, borrowed)[1:] == before[1:]
+    assert change(library, copied, at, [1, 2, 3, 4, 5, -np.inf])[0] == OK  # in a copy an infinity is a hole
+    assert library.describe(copied)["holes"] == 1
+    assert np.isnan(library.call("peek", library.number("cw_field_row", copied, 10) + 4 * 9, Room("f4"))[1])
+
+
+def test_refusals_do_not_depend_on_threads(library):
+    """Of several samples that are refused the first counts."""
+    z, pool = np.zeros((530, 700), "f4"), int(library.well("cw_pool_create", 3, Room("u8"))[0])
+    z[300, 500], z[301, 3] = np.inf, 1.125 * 2.0**100  # the second one in a tile that is looked at before
+    for error in "(500, 300) is inf", "(499, 300) is -1.4":
+        desc = library.desc(z, storage=1)
+        for _ in range(20):
+            assert error in library.fails(SAMPLE, "cw_field_create", desc, library.run(pool=pool), Room("u8"))
+        z[300, 499] = -1.125 * 2.0**100
+    library.call("cw_pool_destroy", pool)
+
+
+def test_fields_move(library):
+    """A moved field answers as one that was made there, and keeps its map if the new one is refused."""
+    z, far = np.ones((70, 70)), np.array([[2, 0, 0, 5e6], [0, 3, 0, -4e6], [0, 0, 0.5, 100]])
+    moved, made = library.field(z), library.field(z, far)
+    for map, wait, status in (far, 1, OK), (np.eye(3, 4) * [[1], [0], [0]], 0, ARGUMENT), (far, 2, ARGUMENT):
+        assert library.asked("cw_field_move", moved, map, wait)[0] == status
+    ray = np.array([((5e6 + 31, -4e6 + 77, 400), 0, (0.25, 0.5, -9), np.inf)], USER_RAY)
+    hits = [library.of_each("cw_closest_user", field, ray, HIT) for field in (moved, made)]
+    normals = [library.of_each("cw_hit_normals", field, hit, columns=3).tobytes() for field, hit in zip((moved, made), hits)]
+    assert hits[0]["i"] >= 0 and hits[0].tobytes() == hits[1].tobytes() and normals[0] == normals[1]
+    library.well("cw_field_move", moved, np.zeros((3, 4)), 0)
+    assert (library.describe(moved)["map"] == np.eye(3, 4)).all()
+
+
+# ---- the caller's floating-point environment -------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def modes(library):
+    """How many there are: bit 0 flushes denormal results, bit 1 operands (or on ARM, every NaN has the same bits), the rest is the rounding. After
+    each call library.c looks at the register."""
+    count = library.number("set_mode", 99)
+    if count == 0:
+        pytest.skip("this CPU's register is unknown")
+    return count
+
+
+@pytest.mark.parametrize("size", [1e-30, 2.0**-124])
+def test_answers_do_not_depend_on_the_environment(library, modes, size):
+    """Low heights, whose differences are denormal, and directions with components that are denormal or count as zero."""
+    rays, r = random_rays(2000, 31, 12), np.random.default_rng(31)
+    rays["org"][:, 2], rays["dir"][:, 2] = rays["org"][:, 2] * size, rays["dir"][:, 2] * size
+    rays["dir"][np.arange(0, 2000, 4), r.integers(0, 3, 500)] = np.ldexp(1.0, r.integers(-149, -126, 500))
+    field = library.field(size * r.random((12, 31)))
+    for kernel, leaf in itertools.product([kernel for name, kernel, _ in library.kernels() if name != "brute"], (1, 2)):
+        run = library.run(kernel=kernel, leaf=leaf)
+        if library.asked("cw_run_check", None, run)[0] != OK:
+            continue
+        library.well("cw_field_build", field, run)
+        expected = library.closest(field, rays, run)
+        assert 200 < (expected["i"] >= 0).sum() < 1950
+        for mode in filter(lambda mode: takes(mode, 5), range(modes)):
+            library.call("set_mode", mode)
+            assert library.closest(field, rays, run).tobytes() == expected.tobytes(), (kernel, leaf, mode)
+            assert (library.occluded(field, rays, run) == (expected["i"] >= 0)).all(), (kernel, leaf, mode)
+        library.call("set_mode", 99)
+
+
+def test_fields_do_not_depend_on_the_environment(library, modes):
+    """Samples so small that a caller's environment turns them to zero; maps and rays from user space."""
+    r, map = np.random.default_rng(14), 0.3 * np.eye(3, 4) + np.outer((1, 1, 1), (0, 0, 0, 0.7))
+    z, down = (r.random((9, 9)) - 0.5) * 2.0**-127, np.zeros(500, RAY)
+    down["org"], down["dir"], down["tmax"] = r.random((500, 3)) * (8, 8, 0) + (0, 0, 2.0**-126), (0, 0, -2.0**-127), np.inf
+    ray, found = np.array([((0.1, 0.2, 0.3), 0, (1 / 3, 0.7, -0.9), 1e3)], USER_RAY), set()
+    for mode in 99, *range(modes):
+        library.call("set_mode", mode)
+        field, mapped = library.field(z), library.field(np.ones((3, 3)), map)
+        moved = library.of_each("cw_rays_to_field", mapped, ray, RAY).tobytes()
+        library.call("set_mode", 99)
+        hits = [library.closest(field, down, library.run(kernel=kernel)) for name, kernel, _ in library.kernels() if name != "grid3d"]
+        assert all((h["i"] >= 0).sum() > 100 for h in hits)
+        found.add((library.describe(field).tobytes(), library.describe(mapped).tobytes(), moved, *(h.tobytes() for h in hits)))
+    assert len(found) == 1
