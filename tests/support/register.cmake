@@ -82,10 +82,10 @@ endfunction()
 
 # The same for a file of pytest's in FOLDER, or one of its functions. It counts as skipped if pytest skips one of its tests and none
 # fails (ctest looks for the text before it looks at the exit status), and says which.
-function(cellwalk_pytest name folder file)
+macro(cellwalk_run_pytest name folder file)
     cellwalk_register(${name} ${ARGN} IN ${CMAKE_CURRENT_SOURCE_DIR}/${folder} SKIPS "\n([0-9]+ passed, )?[0-9]+ skipped(, [0-9]+ (deselected|warnings?))* in "
         COMMAND ${interpreter} -B -m pytest -q -rs -p no:cacheprovider ${file})
-endfunction()
+endmacro()
 
 # Slow: tests with random parts run a tenth of their rays.
 set(scale_down 1)
@@ -97,9 +97,7 @@ endif()
 #   SOURCES file…   in FOLDER
 #   LINKS target…   beside cmocka and the library
 #   NEEDS word…     beside cmocka
-#   AFTER target…   what else has to be built first
 #   DEFINES a=b…    for its sources
-#   ENVIRONMENT …   as above
 #   KERNELS share   its outcome may depend on which kernels the machine has. So it gets the label kernels, and a twin
 #                   NAME_avx512_emulated (emulated.cmake) with one ray in that many where it makes rays by the number; 0: none
 #   TWIN            the twin has the label emulated; other twins have the label long. The target of that name builds it, all does
@@ -108,7 +106,7 @@ endif()
 #                   is no test NAME
 #   SECONDS n       as above
 function(cellwalk_test folder name)
-    cmake_parse_arguments(PARSE_ARGV 2 row "TWIN" "RUNS;KERNELS;SECONDS" "SOURCES;LINKS;NEEDS;AFTER;DEFINES;PARTS;ENVIRONMENT")
+    cmake_parse_arguments(PARSE_ARGV 2 row "TWIN" "KERNELS;SECONDS" "SOURCES;LINKS;NEEDS;DEFINES;PARTS")
     if(row_UNPARSED_ARGUMENTS OR NOT row_SOURCES)
         message(FATAL_ERROR "${name}: ${row_UNPARSED_ARGUMENTS} is none of a row's words, or sources are missing")
     endif()
@@ -125,7 +123,7 @@ function(cellwalk_test folder name)
         string(REGEX MATCH "^([^ ]+) ([0-9]*) (.*)$" part "${part}")
         set(patterns ${CMAKE_MATCH_3})
         cellwalk_register(${CMAKE_MATCH_1} COMMAND test_${name} ${patterns} NEEDS cmocka ${row_NEEDS} LABELS ${labels}
-            SECONDS ${CMAKE_MATCH_2} ENVIRONMENT ${row_ENVIRONMENT} RESULT possible)
+            SECONDS ${CMAKE_MATCH_2} RESULT possible)
     endforeach()
     if(possible)
         cellwalk_add_program(${name} ${row_LINKS})
@@ -171,48 +169,34 @@ function(cellwalk_add_program name)
     add_executable(${target} ${row_SOURCES})
     target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
     target_link_libraries(${target} PRIVATE ${ARGN} cellwalk_test_support cellwalk_flags)
-    target_compile_definitions(${target} PRIVATE TEST_SCALE_DOWN=${scale_down} ${row_DEFINES})
-    if(CMAKE_CROSSCOMPILING) # an emulator's memory is its own, and QEMU 7.2 fails where a forked child starts threads
-        target_compile_definitions(${target} PRIVATE TEST_IN_EMULATOR)
-    endif()
-    if(row_AFTER)
-        add_dependencies(${target} ${row_AFTER})
-    endif()
+    # An emulator's memory is its own, and QEMU 7.2 fails where a forked child starts threads.
+    target_compile_definitions(${target} PRIVATE TEST_SCALE_DOWN=${scale_down} ${row_DEFINES} $<$<BOOL:${CMAKE_CROSSCOMPILING}>:TEST_IN_EMULATOR>)
 endfunction()
 
-# A row for tool/test_NAME.py, which starts the program: the test tool_NAME. KERNELS and the rest as above, but that a twin starts the
-# program with emulated kernels.
-function(cellwalk_tool_test name)
-    cmake_parse_arguments(PARSE_ARGV 1 row "" "KERNELS;SECONDS" "NEEDS")
-    set(environment CELLWALK_SOURCE=${PROJECT_SOURCE_DIR} CELLWALK_TEST_SLOW=${scale_down} PYTHONPATH=${words_path} PYTEST_PLUGINS=words
-        CELLWALK_PROGRAMS=${CMAKE_CURRENT_BINARY_DIR})
-    foreach(given IN ITEMS "PRELOAD;cellwalk_test_preload;" "BENCH;cellwalk_bench;" "MODULES;cellwalk_gdal;_DIR")
-        list(POP_FRONT given variable target folder)
-        if(TARGET ${target})
-            list(APPEND environment CELLWALK_${variable}=$<TARGET_FILE${folder}:${target}>)
-        endif()
-    endforeach()
-    set(labels tool)
-    if(DEFINED row_KERNELS)
-        list(APPEND labels kernels)
+# A row for FOLDER/test_NAME.py: the test FOLDER_NAME, with FOLDER as label, which NEEDS pytest and needs_FOLDER, and in its ENVIRONMENT has
+# that of all (CMakeLists.txt).
+#   COMMA           also in a locale with a decimal comma
+#   PROGRAM target  what it starts, whose kernels may decide: it gets the label kernels, and a twin with the label long that starts the
+#                   same program with emulated kernels
+function(cellwalk_pytest folder name)
+    cmake_parse_arguments(PARSE_ARGV 2 row "COMMA" "PROGRAM" "NEEDS;ENVIRONMENT")
+    set(test ${folder}_${name})
+    set(words ${folder} test_${name}.py ${row_UNPARSED_ARGUMENTS} NEEDS pytest ${needs_${folder}} ${row_NEEDS} ENVIRONMENT ${environment} ${row_ENVIRONMENT})
+    if(NOT folder MATCHES "^(python|bench)$") # where it is to be found beside the program
+        list(APPEND words ${modules})
     endif()
-    foreach(twin IN ITEMS "" _emulated)
-        set(test tool_${name})
-        if(twin)
-            if(NOT row_KERNELS)
-                return()
-            endif()
-            set(test tool_${name}_avx512_emulated)
-            set(labels long)
-            list(APPEND row_NEEDS emulation)
-            if(NOT lacks_emulation AND NOT lacks_tool)
-                cellwalk_emulated_twin(cellwalk_tool)
-                add_dependencies(long cellwalk_tool_emulated)
-            endif()
+    cellwalk_run_pytest(${test} ${words} LABELS ${folder} $<$<BOOL:${row_PROGRAM}>:kernels>)
+    if(row_COMMA)
+        cellwalk_run_pytest(${test}_comma ${words} ${with_comma} NEEDS native comma LABELS ${folder})
+    endif()
+    if(row_PROGRAM)
+        cellwalk_run_pytest(${test}_avx512_emulated ${words} CELLWALK_TWIN=_emulated CELLWALK_PROGRAM=$<TARGET_FILE:${row_PROGRAM}_emulated>
+            NEEDS emulation LABELS long RESULT possible)
+        if(possible)
+            cellwalk_emulated_twin(${row_PROGRAM})
+            add_dependencies(long ${row_PROGRAM}_emulated)
         endif()
-        cellwalk_pytest(${test} tool test_${name}.py NEEDS native tool numpy pytest ${row_NEEDS} LABELS ${labels} SECONDS ${row_SECONDS}
-            ENVIRONMENT CELLWALK_PROGRAM=$<TARGET_FILE:cellwalk_tool${twin}> ${environment})
-    endforeach()
+    endif()
 endfunction()
 
 # A row for a function of package/test_package.py: NAME's or FUNCTION's, with name=value… as environment.
@@ -221,6 +205,6 @@ function(cellwalk_package_test name)
     if(NOT row_FUNCTION)
         set(row_FUNCTION ${name})
     endif()
-    cellwalk_pytest(${name} package test_package.py::test_${row_FUNCTION} ${row_UNPARSED_ARGUMENTS} NEEDS pytest ${row_NEEDS} ENVIRONMENT
+    cellwalk_run_pytest(${name} package test_package.py::test_${row_FUNCTION} ${row_UNPARSED_ARGUMENTS} NEEDS pytest ${row_NEEDS} ENVIRONMENT
         SOURCE=${PROJECT_SOURCE_DIR} CMAKE=${CMAKE_COMMAND} GENERATOR=${CMAKE_GENERATOR} CC=${CMAKE_C_COMPILER} ${row_WITH})
 endfunction()
