@@ -5,9 +5,7 @@
 #include "landscape.h"
 #include "model.h"
 #include "pbrt_lex.h"
-#include "pbrt_state.h"
 #include "reference.h"
-#include "table.h"
 #include "words.h"
 #include "workload/random.h"
 
@@ -166,25 +164,11 @@ static bool renders(const char *words, io_error *e) {
     return true;
 }
 
-#define BOUND(name) fprintf(answer, #name "=%llu\n", (unsigned long long)(name))
-/* Those of SECURITY.md. */
-static bool tells_bounds(void) {
-    BOUND(PBRT_FILES_MAX);
-    BOUND(PBRT_INCLUDE_MAX);
-    BOUND(pbrt_bytes_max);
-    BOUND(PBRT_WARNINGS_MAX);
-    BOUND(IO_IMAGE_PIXELS_MAX);
-    BOUND(IO_EXR_PIXELS_PER_BYTE_MAX);
-    BOUND(IO_TABLE_COLUMNS_MAX);
-    return true;
-}
-
 static int obey(char **w, io_error *e) {
     if (strcmp(w[0], "load") == 0) return keep(scene_load(w[1], warn, NULL, e));
     if (strcmp(w[0], "landscape") == 0) return makes_landscape(e);
     if (strcmp(w[0], "numbers") == 0) return reads_numbers(w[1], e);
     if (strcmp(w[0], "render") == 0) return renders(w[1], e);
-    if (strcmp(w[0], "bounds") == 0) return tells_bounds();
     if (strcmp(w[0], "kernels") != 0) return OTHER;
     for (size_t k = 0; k < cw_kernel_count(); k++)
         fprintf(answer, "%s %d\n", cw_kernel_describe(cw_kernel_at(k)).name,
