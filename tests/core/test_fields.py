@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
-from conftest import ARGUMENT, HIT, OK, RAY, SAMPLE, STRUCTS, USER_RAY, Room, random_rays
+from library import ARGUMENT, HIT, OK, RAY, SAMPLE, STRUCTS, USER_RAY, Room, random_rays
 from program import takes
 
 ALL = 2**64 - 1

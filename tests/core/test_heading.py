@@ -6,7 +6,7 @@ import functools
 
 import numpy as np
 import pytest
-from conftest import ARGUMENT, KERNEL, Room
+from library import ARGUMENT, KERNEL, Room
 from program import takes
 from test_visible import SHAPES, SIZES, crossings, direction, lakes, made
 

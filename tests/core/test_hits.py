@@ -3,7 +3,7 @@
 of hits agree with formulas in long double; places on the surface; tiles of a land that overlap."""
 import numpy as np
 import pytest
-from conftest import HEADERS, HIT, NOTHING, RAY, SOURCE, USER_RAY, Room, random_rays
+from library import HEADERS, HIT, NOTHING, RAY, SOURCE, USER_RAY, Room, random_rays
 
 # Shear, rotation and a far origin; mirrored, so that orientation is not taken for granted. Turned, scaled and far off, with upright heights.
 MIRRORED = np.array([[2, -0.5, 0.125, 300], [0.75, 3, 0, -20], [0.25, 0, -1.5, 7]])

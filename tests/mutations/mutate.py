@@ -19,7 +19,7 @@ import tomllib
 HERE = pathlib.Path(__file__).parent
 SOURCE = HERE.parent.parent
 CPU_SECONDS = 300  # of a test: ten times what the longest takes
-PROGRAMS = {"core": ["cellwalk_library"], "io": ["cellwalk_files", "cellwalk_tool", "cellwalk_gdal"], "scene": ["cellwalk_files", "cellwalk_scenes"], "terrain": ["cellwalk_lands"]}
+PROGRAMS = {"core": ["cellwalk_library"], "io": ["cellwalk_files", "cellwalk_tool", "cellwalk_gdal"], "scene": ["cellwalk_files", "cellwalk_scenes"], "terrain": ["cellwalk_library"]}
 SETTINGS = ["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_C_FLAGS_RELEASE=-O1 -DNDEBUG", "-DCELLWALK_PYTHON=OFF"]
 
 

@@ -52,7 +52,7 @@ static inline void warn(void *context, const char *text) {
 enum { FAILED, DONE, OTHER }; /* OTHER: the command is another function's */
 
 static inline int words_run(int argc, char **argv, int (*obey)(char **words, io_error *error)) {
-    enum { WORDS_MAX = 8 };
+    enum { WORDS_MAX = 9 };
     char *words[1 + WORDS_MAX] = {NULL}, **count = &words[WORDS_MAX];
     size_t room[1 + WORDS_MAX] = {0};
     const char *comma = getenv("CELLWALK_TEST_COMMA");

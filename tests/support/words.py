@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A plugin of pytest's: folders for tests, and programs in C that do what they are told (words.h)."""
 import os
-import struct
 import subprocess
 import tempfile
 import types
@@ -99,123 +98,6 @@ class Scenes(Program):
         return np.fromfile("pixels", "f4").reshape(found.height, found.width, 3), found
 
 
-# As usual; neither square nor in metres; turned; mirrored; in degrees: and whether it is that.
-MAPS = [([[10, 0, 0, 500], [0, -10, 0, 900], [0, 0, 1, 0]], 0), ([[10, 0, 0, 0], [0, -25, 0, 0], [0, 0, 0.3048, 0]], 0),
-        ([[8, 6, 0, 100], [6, -8, 0, 100], [0, 0, 1, 0]], 0), ([[-5, 0, 0, 0], [1, 5, 0, 0], [0, 0, 1, 0]], 0),
-        ([[0.0002, 0, 0, 7], [0, -0.0001, 0, 47], [0, 0, 1, 0]], 1)]
-RADIUS = 6378137.0
-
-
-def light(azimuth=0, altitude=0, radius=0, curvature=0, strips=0, hillshade=0):
-    """cw_light, and so on."""
-    return struct.pack("4d2I64x", azimuth, altitude, radius, curvature, strips, hillshade)
-
-
-def horizon(start=0, farthest=0, curvature=0, count=0, flags=0):
-    return struct.pack("3d2I64x", start, farthest, curvature, count, flags)
-
-
-def observer(x, y, height, target=0, curvature=0, nearest=0, farthest=0, azimuths=(0, 0), verticals=(0, 0), absolute=0, limits=0):
-    return struct.pack("11d2I64x", x, y, height, target, curvature, nearest, farthest, *azimuths, *verticals, absolute, limits)
-
-
-def visibility(height=0, target=0, farthest=0, curvature=0, directions=0, every=0):
-    return struct.pack("4d2I64x", height, target, farthest, curvature, directions, every)
-
-
-class Lands(Program):
-    """terrain/lands.c. Samples are 10 m apart, the first row in the north, unless a map says otherwise."""
-    name = "cellwalk_lands"
-
-    def land_words(self, z, map=((10, 0, 0, 0), (0, -10, 0, 0), (0, 0, 1, 0)), geographic=0, unit=0, gap=0, **words):
-        """gap: of so many numbers behind each row of the samples."""
-        self.z = np.ascontiguousarray(z, "f4")
-        np.pad(self.z, ((0, 0), (0, gap)), constant_values=1e9).tofile("z")
-        np.array([*np.ravel(map), unit], float).tofile("map")
-        ny, nx = self.z.shape
-        return "land", options({"nx": nx, "ny": ny, "stride": gap and nx + gap, "geographic": geographic, **words})
-
-    def land(self, *words, **more):
-        """Its samples."""
-        self(*self.land_words(*words, **more))
-        return self.z
-
-    def product_words(self, name, desc, to=b"", **words):
-        for file, content in ("desc", desc), ("to", to):
-            with open(file, "wb") as file:
-                file.write(content)
-        return name, options(words)
-
-    def product(self, name, desc, type="f4", **words):
-        """Of the whole field."""
-        self(*self.product_words(name, desc, bytes(self.z.size * np.dtype(type).itemsize), **words))
-        out = np.fromfile("out", type).reshape(self.z.shape)
-        return out.astype(float) if type == "f4" else out
-
-    def shadow(self, azimuth, altitude, curvature=0):
-        return self.product("shadow", light(azimuth, altitude, curvature=curvature), "u1")
-
-    def angles(self, desc, number=0):
-        """Degrees, metres."""
-        return [self.product(name, desc, number=number) for name in ("angles", "metres")]
-
-    def viewshed(self, desc, to=None):
-        """Whether samples are seen, angles, sums of the weight 2.5, needed heights; to: where they go."""
-        n = self.z.size
-        self(*self.product_words("view all", desc, to or bytes(18 * n)))
-        out = np.fromfile("out", "u1")
-        return [out[begin * n:end * n].view(type).reshape(self.z.shape) for begin, end, type in ((16, 18, "u2"), (8, 12, "f4"), (0, 8, float), (12, 16, "f4"))]
-
-    def lines_words(self, curvature, lines, words=""):
-        with open("desc", "wb") as file:
-            file.write(struct.pack("d", curvature) + lines)
-        return "lines", words
-
-    def lines(self, *words):
-        """Answers to lines, each the bytes of a cw_sight."""
-        self(*self.lines_words(*words))
-        return np.fromfile("out", [("metres", "f8"), ("blocked", "3f8"), ("distance", "f8"), ("state", "u4"), ("end", "u4")])
-
-    def round(self, place, height, absolute=1, target=0, curvature=0, farthest=0):
-        """From a place in field coordinates: what is seen, what is needed, the eye, the earth's fall."""
-        with open("desc", "wb") as file:
-            file.write(struct.pack("7d", *place, height, absolute, target, curvature, farthest))
-        self("round")
-        return [np.fromfile(name, type).reshape(self.z.shape) for name, type in (("seen", "u2"), ("needed", "f4"))] + [np.fromfile(name) for name in ("eye", "fall")]
-
-    def table(self, name, rows, columns=None):
-        """A row of answers for each, or all that is found in so many columns."""
-        rows = np.array(rows, float)
-        rows.tofile("desc")
-        self(name)
-        return np.fromfile("out").reshape((-1, columns) if columns else (len(rows), -1))
-
-    def rays(self, rays):
-        np.ascontiguousarray(rays, "f4").tofile("desc")
-        self("rays")
-        return np.fromfile("out", "u1").astype(int)
-
-    def visible_words(self, how, rectangle=None, every=1, row=0, count=None, **words):
-        """how: direction x and y, reach, drop, height of the eye and of the target, slack."""
-        np.array([*how, *[0] * (7 - len(how))], float).tofile("desc")
-        left, top, wide, high = rectangle or (0, 0, *self.z.shape[::-1])
-        words = {"left": left, "top": top, "wide": wide, "high": high, "every": every, "row": row, **words,
-                 "count": -(-high // max(every, 1)) - row if count is None else count}
-        return "visible", options(words)
-
-    def visible(self, how, rectangle=None, **words):
-        """Areas, distances and directions, an eye a number."""
-        self(*self.visible_words(how, rectangle, **words))
-        wide = -(-(rectangle[2] if rectangle else self.z.shape[1]) // words.get("every", 1))
-        return [np.fromfile(name, type).reshape(-1, wide) for name, type in (("area", float), ("far", "f4"), ("direction", "f4"))]
-
-    def coarser(self, **words):
-        """Samples; above, below, rms; lost, made."""
-        found = self.facts("coarser", options(words))
-        difference = np.fromfile("difference", "u1").tobytes()
-        return np.fromfile("out", "f4").reshape(found.ny, found.nx), np.frombuffer(difference, float, 3), np.frombuffer(difference, "u8", 2, 24)
-
-
 def fixture_of(kind):
     def start(folder):
         program = kind()
@@ -224,4 +106,4 @@ def fixture_of(kind):
     return pytest.fixture(start)
 
 
-files, scenes, lands = map(fixture_of, (Files, Scenes, Lands))
+files, scenes = map(fixture_of, (Files, Scenes))

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from library import struct
 from program import takes
 
 MEAN, HIGHEST, LOWEST = range(3)
@@ -91,7 +92,7 @@ def test_definitions(lands, shape, nx, ny, factor):
     for filter in MEAN, HIGHEST, LOWEST:
         if not takes(case + filter, 3):
             continue
-        coarse, (above, below, rms), (lost, made) = lands.coarser(factor=factor, filter=filter)
+        _, coarse, (above, below, rms, lost, made) = lands.coarser(factor, filter)
         assert coarse.shape == (-(-(ny - 1) // factor) + 1, -(-(nx - 1) // factor) + 1)
         whole = exact(full)
         for b, a in np.ndindex(coarse.shape):
@@ -123,13 +124,15 @@ def test_threads_change_no_bit(lands, filter):
     z[330:][random.random((79, 613)) < 0.01] = np.nan
     lands.land(z)
     for factor in 2, 5:
-        one, other = (lands.coarser(factor=factor, filter=filter, pool=pool) for pool in (0, 1))
-        assert one[0].tobytes() == other[0].tobytes() and (one[1] == other[1]).all() and (one[2] == other[2]).all()
+        one, other = (lands.coarser(factor, filter, pool) for pool in (0, lands.pool))
+        assert one[1].tobytes() == other[1].tobytes() and one[2] == other[2]
 
 
 def test_places_stay(lands):
-    """A place has the same user coordinates in both, and the field owns its samples: the program changes one."""
+    """A place has the same user coordinates in both, and the field owns its samples: one is changed."""
     map = np.array([[3, 0.5, 0.25, 100], [-1, 2, 0, 200], [0.125, 0, 0.5, 7]])
-    lands("field", lands.land_words([[1, 2, 3], [4, 5, 6]], map)[1])
-    coarse, _, _ = lands.coarser(factor=2, filter=HIGHEST)
-    assert (np.fromfile("point") == map @ [2, 0, coarse[0, 1], 1]).all()
+    lands.land_desc([[1, 2, 3], [4, 5, 6]], map)
+    field, coarse, _ = lands.coarser(2, HIGHEST)
+    assert (lands.of_each("cw_hit_points", field, struct("cw_hit", u=1), columns=3) == map @ [2, 0, coarse[0, 1], 1]).all()
+    lands.well("cw_field_update", field, None, struct("cw_update", at=(1, 0, 1, 1), samples=lands.keep(np.full(1, 9, "f4"))))
+    assert lands.peek(lands.number("cw_field_row", field, 0), "f4", 2)[1] == 9

@@ -4,8 +4,9 @@ edge, and against closed forms; limits of viewsheds against a look at each sampl
 points."""
 import numpy as np
 import pytest
+from library import MAPS, RADIUS, RAY, horizon, light, observer
 from program import DIVISOR, SLOW, takes
-from words import MAPS, RADIUS, horizon, light, observer
+from test_visible import crossings, samples_along
 
 CELL, SIDE = 10, 97
 MIDDLE = SIDE // 2
@@ -114,30 +115,14 @@ def test_shadow_agrees_with_horizon_and_rays(lands):
         if curvature > 0:
             continue
         sine, cosine = lands.table("places", [[0, 0, azimuth]])[0, 5:7]  # a ray along the rim stays on it
-        rays = np.zeros((SIDE, SIDE, 8), "f4")
-        rays[..., 0], rays[..., 1], rays[..., 2] = X / CELL, -Y / CELL, z + np.float32(2e-3)
-        rays[..., 4:] = sine, -cosine, np.tan(np.radians(altitude)) * CELL, np.inf
-        hidden = lands.rays(rays).reshape(SIDE, SIDE)
+        rays = np.zeros((SIDE, SIDE), RAY)
+        rays["org"], rays["tmax"] = np.dstack([X / CELL, -Y / CELL, z + np.float32(2e-3)]), np.inf
+        rays["dir"] = sine, -cosine, np.tan(np.radians(altitude)) * CELL
+        hidden = lands.occluded(lands.fields[0], rays.ravel()).reshape(SIDE, SIDE).astype(int)
         night = (altitude < 0) & (z <= RADIUS * (1 / np.cos(np.radians(altitude)) - 1))
         known = night | ((np.abs(angles - altitude) >= 0.1) & ((hidden == 1) | ~holes.any()))
         assert (lit == np.where(night, 0, 1 - hidden))[known & ~holes].all()
     assert shadows > 100 and (nights > 0 or DIVISOR * SLOW > 1)
-
-
-def crossings(h, i, j, dx, dy):
-    """Where the line from (i, j) along (dx, dy) meets samples and crosses edges of heights over its start: steps, and those
-    heights."""
-    rows, columns = np.mgrid[:h.shape[0], :h.shape[1]]
-    side, along = dx * (rows - j) - dy * (columns - i), (dx * (columns - i) + dy * (rows - j)) / (dx * dx + dy * dy)
-    steps, heights = [along[np.abs(side) < 1e-9]], [h[np.abs(side) < 1e-9]]
-    for one, other in (np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:]), (np.s_[:-1, :-1], np.s_[1:, 1:]):
-        met = (side[one] * side[other] < 0) & (np.abs(side[one]) >= 1e-9) & (np.abs(side[other]) >= 1e-9)
-        f = side[one][met] / (side[one][met] - side[other][met])
-        steps.append(along[one][met] + f * (along[other][met] - along[one][met]))
-        heights.append(h[one][met] + f * (h[other][met] - h[one][met]))
-    steps, heights = np.concatenate(steps), np.concatenate(heights)
-    good = (steps > 1e-9) & ~np.isnan(heights)
-    return steps[good], heights[good]
 
 
 @pytest.mark.parametrize("curvature", [0, 200, 5000])
@@ -152,11 +137,12 @@ def test_horizons_are_the_steepest_edges(lands, farthest, curvature):
     for number in range(5):
         angles, metres = lands.angles(horizon(11, farthest, curvature, 5), number)
         azimuth = np.radians(11 + 72 * number)
+        steps, edges, f = crossings(np.sin(azimuth), -np.cos(azimuth), 2 * SIDE)
         for i, j in r.integers(1, SIDE - 1, (60 if DIVISOR * SLOW == 1 else 12, 2)):
             fall = curvature * CELL * CELL * ((X / CELL - i)**2 + (Y / CELL + j)**2) / (2 * RADIUS)
-            steps, heights = crossings(z - z[j, i] - fall, i, j, np.sin(azimuth), -np.cos(azimuth))
-            inside = (CELL * steps <= farthest) | (farthest == 0)
-            rise = heights[inside] / (CELL * steps[inside])
+            one, other = (heights[:, 0] for heights in samples_along(z - z[j, i] - fall, i, j, *edges))
+            inside = ((CELL * steps <= farthest) | (farthest == 0)) & ~np.isnan(one + other)
+            rise = ((one + f * (other - one)) / (CELL * steps))[inside]
             if len(rise) == 0:
                 assert np.isnan(angles[j, i])
                 continue
@@ -194,7 +180,7 @@ I, J = np.meshgrid(np.arange(NX), np.arange(NY))
 def some_land(lands, number, r):
     """Its samples and a function of field coordinates: metres east and north from a place."""
     map, geographic = MAPS[number % len(MAPS)]
-    z = lands.land(rough(2 if number % 3 == 0 else 1, r, NX, NY), map, geographic)
+    z = lands.land(rough(2 if number % 3 == 0 else 1, r, NX, NY), map, geographic=geographic)
 
     def metres(x, y, i, j):
         scale = lands.table("places", [[x, y, 0]])[0, :2]
@@ -220,7 +206,7 @@ def test_limits_sample_by_sample(lands):
         flags = int(r.random() < 0.75) + 2 * int(r.random() < 0.5)
         everything, *_ = lands.viewshed(observer(**base))
         limits = dict(nearest=nearest, farthest=farthest, azimuths=(first, last), verticals=(low, high), limits=flags)
-        some, angles, sums, _ = lands.viewshed(observer(**base, **limits))
+        some, angles, sums, *_ = lands.viewshed(observer(**base, **limits))
         east, north = metres(x, y, I, J)
         away, azimuth = np.hypot(east, north), np.degrees(np.arctan2(east, north))
         rise = z * map[2, 2] + base["target"] - base["height"] - base["curvature"] * away**2 / (2 * RADIUS)
@@ -281,7 +267,7 @@ def test_profiles(lands):
         if (ends[0, :2] == ends[1, :2]).all():
             ends[1, 1] = 30 if ends[0, 1] < 20 else 3
         curvature = 50 if number % 4 == 1 else 0
-        share, ground, line, seen = lands.table("profile", [*ends.ravel(), curvature], 4).T
+        share, ground, line, seen = lands.profile(*ends, curvature)
 
         def fall(i, j):
             east, north = metres(*ends[0, :2], i, j)

@@ -6,9 +6,9 @@ import signal
 
 import numpy as np
 import pytest
+from library import MAPS
 from program import DIVISOR, SLOW, takes
 from test_light import rough
-from words import MAPS
 
 SIDE = 24
 BITS, FEWER = 256, 64  # of heights and of coordinates behind the point

@@ -5,7 +5,7 @@ import numpy as np
 from program import takes
 
 BLUR = 2.0**-19
-NEW, ADD, LOOK, LEAST = range(4)  # what lands.c does
+NEW, ADD, LOOK, LEAST = range(4)  # what library_terrain.h does
 
 
 def check(edges, directions, low, high):

@@ -3,6 +3,7 @@
 every instruction set, number of threads, part of the eyes and place of the land."""
 import numpy as np
 import pytest
+from library import ARGUMENT
 from program import takes
 from test_coarser import SHAPES
 
@@ -54,6 +55,13 @@ def crossings(dx, dy, most):
     return found[:, 0], found[:, 1:5].astype(int).T, found[:, 5]
 
 
+def samples_along(z, i, j, x, y, across, down):
+    """Of each crossed edge, as seen from samples: the heights of its ends, NaN outside."""
+    columns, rows = [i + x[:, None], i + (x + across)[:, None]], [j + y[:, None], j + (y + down)[:, None]]
+    inside = np.all([(c >= 0) & (c < z.shape[1]) & (r >= 0) & (r < z.shape[0]) for c, r in zip(columns, rows)], 0)
+    return [np.where(inside, z[np.where(inside, r, 0), np.where(inside, c, 0)], np.nan) for c, r in zip(columns, rows)]
+
+
 def in_sight(t0, t1, w0, w1, m, there, first, reach):
     """The parts of pieces whose slopes, w0 at t0 and w1 at t1, are greater than m: their area, farthest end, and what they lose if each area is cut to a
     multiple of its run's unit."""
@@ -74,13 +82,10 @@ def brute(z, i, j, dx, dy, reach, drop, eye, target):
     """What is in sight at least and at most from eyes over samples, if every slope may be off by its error: with all targets lower and what hides them
     higher, and the other way round. A float's slope is off by 2^-20 of the higher rise at most: eight roundings of 2^-24, of differences that are at
     most twice as large."""
-    ny, nx = z.shape
-    t, (x, y, across, down), f = crossings(dx, dy, nx + ny)
+    t, edges, f = crossings(dx, dy, sum(z.shape))
     t, f = t[:, None], f[:, None]
-    columns, rows = [i + x[:, None], i + (x + across)[:, None]], [j + y[:, None], j + (y + down)[:, None]]
-    inside = np.all([(c >= 0) & (c < nx) & (r >= 0) & (r < ny) for c, r in zip(columns, rows)], 0)
     start = (z[j, i] + np.float32(eye)).astype(float)
-    one, other = (np.where(inside, z[np.clip(r, 0, ny - 1), np.clip(c, 0, nx - 1)], np.nan) - start for c, r in zip(columns, rows))
+    one, other = (heights - start for heights in samples_along(z, i, j, *edges))
     slope = (one + f * (other - one)) / t - drop * t
     error = 2.0**-20 * (np.fmax(np.abs(one), np.abs(other)) + target) / t + 2.0**-22 * drop * t + 2.0**-140
     there = ~np.isnan(slope[1:]) & ~np.isnan(slope[:-1])
@@ -107,7 +112,7 @@ class Against:
                 continue
             length = np.hypot(dx, dy)
             how = dx, dy, reach / length, drop * length * length, eye, target
-            found = [values.ravel() for values in self.lands.visible(how, keep=1)]
+            found = [values.ravel() for values in self.lands.visible(how, keep=True)]
             hole = np.isnan(z.ravel())
             assert all(np.isnan(values[hole]).all() for values in found)
             some = np.flatnonzero(~hole)
@@ -198,20 +203,22 @@ def test_bits_are_the_same(lands):
         z = lakes(NX, NY, 990 if number % 2 else 0)
         z.flat[r.integers(0, z.size, 300)] = np.nan
         lands.land(z)
-        wanted, sets = lands.visible(how, isa=1)[:2], 0
+        lands.limited(1)
+        wanted, sets = lands.visible(how)[:2], 0
         for isa in range(1, 6):
-            if not lands.ask(*lands.visible_words(how, (0, 0, 2, 2), isa=isa))[0]:
+            if not lands.limited(isa):
                 continue
-            sets += 1
-            assert same(lands.visible(how, isa=isa), wanted), isa
+            sets, pool = sets + 1, lands.pool * (isa % 2)
+            assert same(lands.visible(how, pool=pool), wanted), isa
             for _ in range(4):
                 i, j = r.integers(0, NX), r.integers(0, NY)
                 nx, ny, every = r.integers(1, NX - i + 1), r.integers(1, NY - j + 1), 1 + r.integers(0, 2) * r.integers(0, 20)
                 part = [values[j:j + ny:every, i:i + nx:every] for values in wanted]
                 row = r.integers(0, len(part[0]))
-                assert same(lands.visible(how, (i, j, nx, ny), every=every, row=row, isa=isa), [values[row:] for values in part])
-                assert same(lands.visible(how, (i, j, nx, ny), every=every, count=row, isa=isa), [values[:row] for values in part])
+                assert same(lands.visible(how, (i, j, nx, ny), every=every, row=row, pool=pool), [values[row:] for values in part])
+                assert same(lands.visible(how, (i, j, nx, ny), every=every, count=row, pool=pool), [values[:row] for values in part])
         assert sets > 0
+        lands.limited(0)
         elsewhere(lands, z, how, wanted, r)
 
 
@@ -237,7 +244,7 @@ def test_slack_changes_nothing(lands):
     ways = [(-0.31 + 0.0004 * (k if k < 20 else k - 50), 1, 0, 0, 2, 0) for k in some]
     wanted = [lands.visible(way)[:2] for way in ways]
     for way, one in zip(ways, wanted):
-        assert same(lands.visible((*way, 2.0**-7), keep=1), one)
+        assert same(lands.visible((*way, 2.0**-7), keep=True), one)
 
 
 def test_misuse_is_refused(lands):
@@ -246,5 +253,5 @@ def test_misuse_is_refused(lands):
     for how, rectangle, words in [(good, None, {"every": 0, "count": 0}), (good, (1, 0, 5, 4), {}), (good, None, {"row": 2, "count": 3}),
                                   *((how, None, {}) for how in ((0, 0), (1, np.nan), (1, 0, -1), (1, 0, 0, 2.0**80), (1, 0, 0, 0, -1),
                                                                 (1, 0, 0, 0, 0, np.nan), (1, 0, 0, 0, 0, 0, 1)))]:
-        lands.refused("an argument is missing", *lands.visible_words(how, rectangle, **words))
+        assert lands.asked_visible(how, rectangle, **words)[0] == ARGUMENT
     assert len(lands.visible(good, row=4, count=0)[0]) == 0

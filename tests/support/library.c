@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The functions of cellwalk.h and cellwalk_expert.h as a program for tests in Python (words.h, conftest.py). A command is a function's name
- * with its arguments, each a number or room in memory that lasts for the call: <SIZE OFFSET is filled from the file in, >SIZE OFFSET goes to
- * the file out. OFFSET is how far it begins behind a multiple of 64; nothing may be written beside it. */
+/* The functions of the libraries as a program for tests in Python (words.h, library.py). A command is a function's name with its arguments,
+ * each a number or room in memory that lasts for the call: <SIZE OFFSET is filled from the file in, >SIZE OFFSET goes to the file out, =SIZE
+ * OFFSET both. OFFSET is how far it begins behind a multiple of 64; nothing may be written beside it. */
 
 #include "cellwalk_expert.h"
 #include "fp_register.h"
 #include "words.h"
 
+#include "library_terrain.h"
+
 #include <pthread.h>
 
-enum { WORDS = 6, GUARD = 64, UNTOUCHED = 0x5a };
+enum { WORDS = 8, GUARD = 64, UNTOUCHED = 0x5a };
 
 typedef struct value {
     void *p;
@@ -78,6 +80,8 @@ static void text(const char *t) { fputs(t ? t : "NULL", answer); }
     X(cw_status_message, text(cw_status_message((cw_status)N(0))))                                                     \
     X(cw_version, text(cw_version()))                                                                                  \
     X(cw_version_number, number(cw_version_number()))                                                                  \
+    TERRAIN_FUNCTIONS                                                                                                  \
+    X(drop, drop(P(0)))                                                                                                \
     X(keep, address(keep(P(0), v[0].size)))                                                                            \
     X(peek, memcpy(P(1), P(0), v[1].size))                                                                             \
     X(poke, memcpy(P(0), P(1), v[1].size))                                                                             \
@@ -93,6 +97,13 @@ static size_t kept_count;
 static void *keep(const void *bytes, size_t size) {
     stop_unless(kept_count < sizeof kept / sizeof *kept && (kept[kept_count] = malloc(size + 1)), "keep");
     return memcpy(kept[kept_count++], bytes, size);
+}
+
+static void drop(void *p) {
+    size_t k = 0;
+    while (kept[k] != p) stop_unless(++k < kept_count, "drop");
+    free(p);
+    kept[k] = kept[--kept_count];
 }
 
 /* ---- what the library calls ------------------------------------------------------------------------------------------------ */
@@ -128,6 +139,13 @@ static void release(void *context, void *memory) {
     if (context) --*(int64_t *)context;
     free(memory);
 }
+/* context: the last share, and the one from which on the call ends. */
+static bool watch(void *context, double done) {
+    double *seen = context;
+    stop_unless(done >= seen[0] && done <= 1, "a share that shrinks, or is more than all");
+    seen[0] = done;
+    return done < seen[1];
+}
 static bool lower_limit(void *context, double done) {
     (void)context, (void)done;
     cw_isa_limit(CW_ISA_SCALAR);
@@ -137,8 +155,8 @@ static bool lower_limit(void *context, double done) {
 /* ---- commands -------------------------------------------------------------------------------------------------------------- */
 
 static value value_of(const char *word, FILE *in) {
-    value v = {.goes_out = *word == '>'};
-    if (*word != '<' && *word != '>') {
+    value v = {.goes_out = *word != '<'};
+    if (strchr("<>=", *word) == NULL) {
         v.n = whole(word);
         v.d = strtod(word, NULL);
         v.p = (void *)v.n;
@@ -152,7 +170,7 @@ static value value_of(const char *word, FILE *in) {
     stop_unless(v.room != NULL, word);
     memset(v.room, UNTOUCHED, all);
     v.p = v.room + v.offset;
-    stop_unless(v.goes_out || fread(v.p, 1, v.size, in) == v.size, "in");
+    stop_unless(*word == '>' || fread(v.p, 1, v.size, in) == v.size, "in");
     return v;
 }
 
@@ -178,6 +196,7 @@ static int obey(char **words, io_error *e) {
     } calls_back[] = {{"run_tasks", (size_t)run_tasks},
                       {"allocate", (size_t)allocate},
                       {"release", (size_t)release},
+                      {"watch", (size_t)watch},
                       {"lower_limit", (size_t)lower_limit}};
     value v[WORDS] = {{0}};
     for (size_t k = 0; k < sizeof calls_back / sizeof *calls_back; k++)
