@@ -36,7 +36,7 @@ typedef struct picture {
     float *toward, *lean; /* slope toward the light, and of the ground, squared */
 } picture;
 
-/* Twelve bytes a pixel. */
+/* Fifteen bytes a pixel, with those that are written. */
 enum { PICTURE_PIXELS_MOST = 200000000 };
 bool picture_begin(picture *p, const char *path, size_t nx, size_t ny, io_error *error);
 void picture_end(picture *p);

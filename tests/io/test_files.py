@@ -321,6 +321,27 @@ def test_damaged_pictures_are_refused(files, pixels):
         assert files.refused("", "image", "cut.exr").startswith("cut.exr")
 
 
+def exr(width, lines):
+    """A picture of one grey channel and as many lines as bytes are given, without compression."""
+    window, y = struct.pack("<4i", 0, 0, width - 1, len(lines) - 1), b"Y\0" + struct.pack("<4i", 1, 0, 1, 1) + b"\0"
+    head = b"v/1\1\2\0\0\0" + b"".join(b"%s\0%s\0%s" % (name, type, struct.pack("<i", len(value)) + value) for name, type, value in [
+        (b"channels", b"chlist", y), (b"compression", b"compression", b"\0"), (b"dataWindow", b"box2i", window), (b"displayWindow", b"box2i", window),
+        (b"lineOrder", b"lineOrder", b"\0"), (b"pixelAspectRatio", b"float", struct.pack("<f", 1)),
+        (b"screenWindowCenter", b"v2f", bytes(8)), (b"screenWindowWidth", b"float", struct.pack("<f", 1))]) + b"\0"
+    chunks = [struct.pack("<2i", k, len(line)) + line for k, line in enumerate(lines)]
+    places = [len(head) + 8 * len(lines) + sum(map(len, chunks[:k])) for k in range(len(lines))]
+    return head + struct.pack(f"<{len(lines)}Q", *places) + b"".join(chunks)
+
+
+def test_lines_of_another_length_are_refused(files, pixels):
+    """Of which the library would show the memory behind them."""
+    lines = np.arange(12, dtype="<f2").reshape(3, 4)
+    write("a.exr", exr(4, [line.tobytes() for line in lines]))
+    assert files("image", "a.exr") == "4 3" and np.fromfile("halves", "<f2").reshape(3, 4, 4)[..., 1].tobytes() == lines.tobytes()
+    write("a.exr", exr(200, [line.tobytes() for line in lines]))
+    files.refused("a.exr: cannot read", "image", "a.exr")
+
+
 def test_pictures_that_cannot_be_written_leave_nothing(files, pixels):
     for name in "full.png", "full.exr":
         os.symlink("/dev/full", name)

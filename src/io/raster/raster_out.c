@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of formats that results are written in, and the two formats that need no library. */
+/* The table of formats that results are written in; GeoTIFF is that of GDAL's module, PNG that of image_png.c. */
 
 #include "raster_out.h"
 
 #include "gdal/module.h"
+#include "image.h"
 #include "inputs.h"
 #include "npy.h"
-#include "raster_sink.h"
 #include "target.h"
 
 #include <errno.h>
@@ -16,8 +16,28 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- NumPy arrays: (rows, columns), or (bands, rows, columns) ---------------------------------------------------- */
+/* ---- the formats --------------------------------------------------------------------------------------------------------- */
 
+/* Files beside a raster that programs read as part of it: statistics, smaller copies, masks, world files. Those of a file that is
+ * replaced would be wrong for the new one, and are removed with it. Up to a NULL: ".ovr" is added to the raster's name, "*.tfw" takes
+ * the place of its ending. */
+typedef const char *const *sidecar_list;
+
+struct io_raster_sink {
+    const char *ending; /* ".tif" */
+    const char *what;
+    size_t bands_most; /* 0: any number */
+    sidecar_list sidecars;
+    /* writer->output is open; on failure nothing is left but that. NULL: this build has no library for it. */
+    bool (*create)(io_raster_writer *writer, io_error *error);
+    /* Rows from band 0 and row 0 on, or for GeoTIFF any windows. */
+    bool (*write)(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,
+                  io_error *error);
+    /* Ends the file, which is whole if so it says, and frees writer->state. */
+    bool (*finish)(io_raster_writer *writer, bool whole, io_error *error);
+};
+
+/* NumPy arrays: (rows, columns), or (bands, rows, columns). */
 static bool npy_create(io_raster_writer *w, io_error *error) {
     static const char *const types[] = {"'|u1'", "'<u2'", "'<f4'", "'<i2'"};
     const io_raster_product *p = &w->product;
@@ -33,65 +53,60 @@ static bool npy_write(io_raster_writer *w, size_t band, const io_raster_window *
 }
 
 static bool npy_finish(io_raster_writer *w, bool whole, io_error *error) {
-    (void)w;
-    (void)error;
+    (void)w, (void)error;
     return whole;
 }
 
-static const char *const npy_sidecars[] = {NULL};
-const io_raster_sink io_sink_npy = {".npy", "NumPy array", 0, npy_sidecars, npy_create, npy_write, npy_finish};
-
-/* ---- GeoTIFF ----------------------------------------------------------------------------------------------------- */
-
-/* Of a COG: the GeoTIFF that it is copied from, and its smaller copies, by the name that GDAL has for them. */
-typedef struct tif_state {
-    io_gdal_target *target;
-    io_output full, copies;
-} tif_state;
-
-/* Says it by the system's reason if it was the system that failed: GDAL's own words name a function. */
-static bool fail_tif(io_raster_writer *w, tif_state *s, io_error *error) {
-    return io_output_has_room(&s->full, error) && io_output_has_room(&w->output, error) && false;
+#ifdef CELLWALK_PNG
+/* Pictures are collected in memory. */
+static bool png_create(io_raster_writer *w, io_error *error) {
+    const size_t nx = w->product.nx, ny = w->product.ny;
+    if (!io_png_check_size(&w->output, nx, ny, error)) return false;
+    w->state = malloc(3 * nx * ny);
+    return w->state != NULL || io_fail(error, "%s: out of memory", w->output.name);
 }
 
-static void free_tif(tif_state *s) {
-    io_output_discard(&s->full);
-    io_output_discard(&s->copies);
-    free(s);
+static bool png_write(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
+                      io_error *error) {
+    const size_t row = 3 * w->product.nx;
+    (void)band, (void)error;
+    memcpy((char *)w->state + window->j * row, cells, window->ny * row);
+    return true;
 }
 
+static bool png_finish(io_raster_writer *w, bool whole, io_error *error) {
+    const bool good = whole && io_png_put_bytes(&w->output, w->product.nx, w->product.ny, w->state, error);
+    free(w->state);
+    return good;
+}
+#endif
+
+/* Of a GeoTIFF, by the system's reason if it was the system that failed: GDAL's own words name a function. */
+static bool fail_tif(io_raster_writer *w, io_error *error) {
+    return io_output_has_room(&w->beside[0], error) && io_output_has_room(&w->output, error) && false;
+}
+
+/* A COG is copied from a GeoTIFF beside it; its smaller copies are in a file that GDAL has its own name for. */
 static bool tif_create(io_raster_writer *w, io_error *error) {
     const io_gdal *gdal = io_gdal_load(error);
-    const char *name = w->output.name;
+    const bool cog = w->product.cog;
     if (gdal == NULL) return false;
-    if (w->output.direct) return io_fail(error, "%s: cannot write: a GeoTIFF needs a regular file", name);
-    tif_state *s = calloc(1, sizeof *s);
-    if (s == NULL) return io_fail(error, "%s: out of memory", name);
-    const bool cog = w->product.cog,
-               ready = !cog || (io_output_open_scratch(&s->full, &w->output, ".tif", error) &&
-                                io_output_open_scratch(&s->copies, &w->output, ".ovr.tmp", error));
-    if (ready)
-        s->target = gdal->create(io_output_temporary(&w->output), cog ? io_output_temporary(&s->full) : NULL, name,
-                                 &w->product, error);
-    w->state = s;
-    if (s->target != NULL) return true;
-    if (ready) fail_tif(w, s, error);
-    free_tif(s);
-    return false;
+    if (w->output.direct) return io_fail(error, "%s: cannot write: a GeoTIFF needs a regular file", w->output.name);
+    if (cog && !(io_output_open_scratch(&w->beside[0], &w->output, ".tif", error) &&
+                 io_output_open_scratch(&w->beside[1], &w->output, ".ovr.tmp", error)))
+        return false;
+    w->state = gdal->create(io_output_temporary(&w->output), cog ? io_output_temporary(&w->beside[0]) : NULL,
+                            w->output.name, &w->product, error);
+    return w->state != NULL || fail_tif(w, error);
 }
 
 static bool tif_write(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
                       io_error *error) {
-    tif_state *s = w->state;
-    return io_gdal_load(error)->write(s->target, band, window, cells, error) || fail_tif(w, s, error);
+    return io_gdal_load(error)->write(w->state, band, window, cells, error) || fail_tif(w, error);
 }
 
 static bool tif_finish(io_raster_writer *w, bool whole, io_error *error) {
-    tif_state *s = w->state;
-    const bool ended = io_gdal_load(error)->finish(s->target, whole, error);
-    const bool good = whole && (ended || fail_tif(w, s, error));
-    free_tif(s);
-    return good;
+    return io_gdal_load(error)->finish(w->state, whole, error) ? whole : whole && fail_tif(w, error);
 }
 
 bool io_raster_check_creation(const char *const *creation, size_t count, bool cog, io_error *error) {
@@ -99,30 +114,33 @@ bool io_raster_check_creation(const char *const *creation, size_t count, bool co
     return gdal != NULL && gdal->check_creation(creation, count, cog, error);
 }
 
-static const char *const tif_sidecars[] = {".aux.xml", ".ovr", ".msk", "*.tfw", "w", NULL};
-const io_raster_sink io_sink_tif = {".tif", "GeoTIFF", 0, tif_sidecars, tif_create, tif_write, tif_finish};
+/* A picture's world file is the first of its list. */
+static const char *const of_npy[] = {NULL}, *const of_tif[] = {".aux.xml", ".ovr", ".msk", "*.tfw", "w", NULL},
+                         *const of_png[] = {"*.pgw", "w", ".aux.xml", ".ovr", ".msk", NULL};
 
-/* ---- the table --------------------------------------------------------------------------------------------------- */
-
-#ifndef CELLWALK_PNG
-const io_raster_sink io_sink_png = {.ending = ".png", .what = "picture", .bands_most = 1};
+enum { TIF, NPY, PNG, SINKS };
+static const struct io_raster_sink sinks[SINKS] = {
+    {".tif", "GeoTIFF", 0, of_tif, tif_create, tif_write, tif_finish},
+    {".npy", "NumPy array", 0, of_npy, npy_create, npy_write, npy_finish},
+#ifdef CELLWALK_PNG
+    {".png", "picture", 1, of_png, png_create, png_write, png_finish},
+#else
+    {".png", "picture", 1, of_png, NULL, NULL, NULL},
 #endif
+};
 
-static const io_raster_sink *const sinks[] = {&io_sink_tif, &io_sink_npy, &io_sink_png};
-enum { SINKS = sizeof sinks / sizeof sinks[0] };
-
-static const io_raster_sink *sink_of(const char *path) {
+static const struct io_raster_sink *sink_of(const char *path) {
     for (int k = 0; k < SINKS; k++)
-        if (io_name_ends(path, sinks[k]->ending)) return sinks[k];
-    return io_name_ends(path, ".tiff") ? &io_sink_tif : NULL;
+        if (io_name_ends(path, sinks[k].ending)) return &sinks[k];
+    return io_name_ends(path, ".tiff") ? &sinks[TIF] : NULL;
 }
 
-bool io_raster_is_tif(const char *path) { return sink_of(path) == &io_sink_tif; }
+bool io_raster_is_tif(const char *path) { return sink_of(path) == &sinks[TIF]; }
 
-bool io_raster_is_png(const char *path) { return sink_of(path) == &io_sink_png; }
+bool io_raster_is_png(const char *path) { return sink_of(path) == &sinks[PNG]; }
 
 bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
-    const io_raster_sink *sink = sink_of(path);
+    const struct io_raster_sink *sink = sink_of(path);
     if (sink == NULL)
         return io_fail(error,
                        "%s: the name's ending tells no format; known are .tif (GeoTIFF), .npy (NumPy array), .png"
@@ -132,7 +150,7 @@ bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
         return io_fail(error, "%s: a %s has no room for %zu bands; .tif and .npy have", path, sink->what, bands);
     if (sink->create == NULL) return io_fail(error, "%s: this build has no library for that format", path);
     io_error reason;
-    if (sink == &io_sink_tif && io_gdal_load(&reason) == NULL)
+    if (sink == &sinks[TIF] && io_gdal_load(&reason) == NULL)
         return io_fail(error, "%s: GeoTIFF needs GDAL: %s; .npy and .png do without", path, reason.text);
     return true;
 }
@@ -150,7 +168,7 @@ static bool name_sidecar(char name[PATH_MAX], const char *ending, const char *pa
  * raster but may be wanted; else one that is an input; and after that they go, links and not what they lead to. */
 typedef enum fate { MUST_BE_NONE, MUST_BE_NO_INPUT, GOES } fate;
 
-static bool treat_list(io_sidecar_list list, const char *path, fate what, io_error *error) {
+static bool treat_list(sidecar_list list, const char *path, fate what, io_error *error) {
     char name[PATH_MAX];
     struct stat about;
     for (; list != NULL && *list != NULL; list++) {
@@ -170,7 +188,7 @@ static bool treat_list(io_sidecar_list list, const char *path, fate what, io_err
 
 /* Of a picture of a placed terrain, unless it goes to a device or a pipe. */
 static bool has_world(const io_raster_writer *w) {
-    return w->sink == &io_sink_png && w->product.georef->placed && !w->output.direct;
+    return w->sink == &sinks[PNG] && w->product.georef->placed && !w->output.direct;
 }
 
 /* Places a picture on its map for programs that read world files, as GIS do: x and y of a column, x and y of a row, and of the
@@ -180,9 +198,9 @@ static bool write_world(io_raster_writer *w, io_error *error) {
     char path[PATH_MAX];
     if (!name_sidecar(path, "*.pgw", w->output.target))
         return io_fail(error, "%s: the world file's name is too long", w->output.target);
-    return io_output_open(&w->world, path, error) &&
-           io_output_print(&w->world, error, "%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n", m[0][0], m[1][0], m[0][1],
-                           m[1][1], m[0][3], m[1][3]);
+    return io_output_open(&w->beside[0], path, error) &&
+           io_output_print(&w->beside[0], error, "%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n", m[0][0], m[1][0],
+                           m[0][1], m[1][1], m[0][3], m[1][3]);
 }
 
 static bool is_there(const char *path) {
@@ -192,21 +210,25 @@ static bool is_there(const char *path) {
 
 /* A picture's world file is written anew, and the first of its list. */
 static bool check_sidecars(const io_raster_writer *w, io_error *error) {
-    const io_sidecar_list list = w->output.direct ? NULL : w->sink->sidecars + has_world(w);
+    const sidecar_list list = w->output.direct ? NULL : w->sink->sidecars + has_world(w);
     const fate what = is_there(w->output.target) ? MUST_BE_NO_INPUT : MUST_BE_NONE;
     return treat_list(list, w->output.target, what, error) && treat_list(list, w->output.name, what, error);
 }
 
 /* ---- from the first row to the last -------------------------------------------------------------------------------------- */
 
+static void end(io_raster_writer *w) {
+    for (int k = 0; k < 2; k++) io_output_discard(&w->beside[k]);
+    io_output_discard(&w->output);
+    *w = (io_raster_writer){0};
+}
+
 bool io_raster_create(io_raster_writer *w, const char *path, const io_raster_product *product, io_error *error) {
     *w = (io_raster_writer){.product = *product, .left = (uint64_t)product->bands * product->nx * product->ny};
     if (!io_raster_can_write(path, product->bands, error) || !io_output_open(&w->output, path, error)) return false;
     w->sink = sink_of(path);
     if (check_sidecars(w, error) && (!has_world(w) || write_world(w, error)) && w->sink->create(w, error)) return true;
-    io_output_discard(&w->world);
-    io_output_discard(&w->output);
-    *w = (io_raster_writer){0};
+    end(w);
     return false;
 }
 
@@ -234,11 +256,11 @@ static bool commit(io_raster_writer *w, io_error *error) {
     char target[PATH_MAX], name[PATH_MAX]; /* beside either, programs look for sidecars */
     snprintf(target, sizeof target, "%s", w->output.target);
     snprintf(name, sizeof name, "%s", w->output.name);
-    const bool world = w->world.name != NULL, replaces = !w->output.direct && is_there(target);
-    const io_sidecar_list list = replaces ? w->sink->sidecars + world : NULL;
-    const bool good = (!world || io_output_settle(&w->world, error)) && io_output_commit(&w->output, error) &&
+    const bool world = has_world(w), replaces = !w->output.direct && is_there(target);
+    const sidecar_list list = replaces ? w->sink->sidecars + world : NULL;
+    const bool good = (!world || io_output_settle(&w->beside[0], error)) && io_output_commit(&w->output, error) &&
                       treat_list(list, target, GOES, error) && treat_list(list, name, GOES, error);
-    if (!good || !world || io_output_commit(&w->world, error)) return good;
+    if (!good || !world || io_output_commit(&w->beside[0], error)) return good;
     treat_list(world_file, target, GOES, NULL);
     return false;
 }
@@ -247,16 +269,12 @@ bool io_raster_commit(io_raster_writer *w, io_error *error) {
     const bool whole = w->left == 0;
     if (!whole) io_fail(error, "%s: rows are missing", w->output.name);
     const bool good = w->sink->finish(w, whole, whole ? error : NULL) && commit(w, error);
-    io_output_discard(&w->world);
-    io_output_discard(&w->output);
-    *w = (io_raster_writer){0};
+    end(w);
     return good;
 }
 
 void io_raster_discard(io_raster_writer *w) {
     if (w->sink == NULL) return;
     w->sink->finish(w, false, NULL);
-    io_output_discard(&w->world);
-    io_output_discard(&w->output);
-    *w = (io_raster_writer){0};
+    end(w);
 }

@@ -37,10 +37,12 @@ typedef struct io_raster_window {
 typedef struct io_raster_writer {
     const struct io_raster_sink *sink; /* the format */
     io_raster_product product;
-    io_output output, world; /* a picture's world file is the second */
-    size_t band, row;        /* that come next */
-    uint64_t left;           /* cells that are still to come */
-    void *state;             /* the format's */
+    io_output output;
+    io_output
+        beside[2];    /* a picture's world file; of a COG the GeoTIFF that it is copied from, and its smaller copies */
+    size_t band, row; /* that come next */
+    uint64_t left;    /* cells that are still to come */
+    void *state;      /* the format's */
 } io_raster_writer;
 
 static inline size_t io_cell_bytes(io_cell cell) {
@@ -74,7 +76,7 @@ bool io_raster_write(io_raster_writer *writer, const void *cells, size_t rows, i
 /* A rectangle of a band, in any order, each cell once; of a GeoTIFF alone. */
 bool io_raster_write_window(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,
                             io_error *error);
-/* False too if an old file's sidecar (raster_sink.h) cannot be removed: then the new file is complete all the same. */
+/* False too if an old file's sidecar (raster_out.c) cannot be removed: then the new file is complete all the same. */
 bool io_raster_commit(io_raster_writer *writer, io_error *error);
 /* Does nothing on a writer that is all zero, committed or discarded. */
 void io_raster_discard(io_raster_writer *writer);
