@@ -95,18 +95,17 @@ static bool tif_create(io_raster_writer *w, io_error *error) {
     if (cog && !(io_output_open_scratch(&w->beside[0], &w->output, ".tif", error) &&
                  io_output_open_scratch(&w->beside[1], &w->output, ".ovr.tmp", error)))
         return false;
-    w->state = gdal->create(io_output_temporary(&w->output), cog ? io_output_temporary(&w->beside[0]) : NULL,
-                            w->output.name, &w->product, error);
-    return w->state != NULL || fail_tif(w, error);
+    return gdal->create(w, io_output_temporary(cog ? &w->beside[0] : &w->output), error) || fail_tif(w, error);
 }
 
 static bool tif_write(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
                       io_error *error) {
-    return io_gdal_load(error)->write(w->state, band, window, cells, error) || fail_tif(w, error);
+    return io_gdal_load(error)->write(w, band, window, cells, error) || fail_tif(w, error);
 }
 
 static bool tif_finish(io_raster_writer *w, bool whole, io_error *error) {
-    return io_gdal_load(error)->finish(w->state, whole, error) ? whole : whole && fail_tif(w, error);
+    const char *path_of_cog = whole && w->product.cog ? io_output_temporary(&w->output) : NULL;
+    return io_gdal_load(error)->finish(w, path_of_cog, error) ? whole : whole && fail_tif(w, error);
 }
 
 bool io_raster_check_creation(const char *const *creation, size_t count, bool cog, io_error *error) {

@@ -5,7 +5,6 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
-#include <gdal_frmts.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -111,7 +110,7 @@ const io_gdal *cellwalk_gdal_module(const io_gdal_host *host) {
     if (ready) return &table;
     ready = true;
     program = host;
-    GDALRegister_GTiff(); /* most files are GeoTIFF; other drivers are registered when needed */
+    GDALAllRegister();
     if (host != NULL) own_process();
     return &table;
 }

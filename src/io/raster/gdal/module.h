@@ -8,10 +8,8 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 14 };
+enum { IO_GDAL_VERSION = 15 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
-
-typedef struct io_gdal_target io_gdal_target;
 
 /* ---- functions of the module, which the program reaches through the table below ------------------------------------------ */
 
@@ -32,14 +30,14 @@ bool gdal_areas(const char *path, const io_points_options *options, const io_mas
 
 /* False unless GDAL knows these count creation options, "NAME=VALUE", of GeoTIFFs. */
 bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error);
-/* Makes a GeoTIFF of the file at path, which is there and empty; messages call it name. full: for COG, another such file, at first
- * with all rows; GDAL makes more of names that begin with path, and removes them. NULL on failure. */
-io_gdal_target *gdal_create(const char *path, const char *full, const char *name, const io_raster_product *product,
-                            io_error *error);
-bool gdal_write(io_gdal_target *target, size_t band, const io_raster_window *window, const void *cells,
+/* Makes a GeoTIFF of the file at path, which is there and empty; of a COG, one that will have all rows until the COG is made of it.
+ * writer->state is the module's. */
+bool gdal_create(io_raster_writer *writer, const char *path, io_error *error);
+bool gdal_write(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,
                 io_error *error);
-/* Closes the target; false if the data did not reach the file. whole: all rows were written; else no COG is made. */
-bool gdal_finish(io_gdal_target *target, bool whole, io_error *error);
+/* Closes the file; false if the data did not reach it. path_of_cog: the COG's, which is there and empty; GDAL makes more files of names that
+ * begin with it, and removes them. NULL: none is made. */
+bool gdal_finish(io_raster_writer *writer, const char *path_of_cog, io_error *error);
 
 /* Longitude and latitude (WGS 84, degrees) of n places of a coordinate system, or the other way round; in place. */
 bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);

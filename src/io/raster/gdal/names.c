@@ -74,20 +74,12 @@ static char **choose_drivers(const char *path) {
     return names;
 }
 
-/* All drivers take ten times as long to register as that of GeoTIFF: 2.4 ms beside some 40 for loading GDAL at all. */
-static void register_drivers(const char *path, unsigned kind) {
-    if (kind == GDAL_OF_RASTER && GDALIdentifyDriver(path, NULL) != NULL) return;
-    GDALAllRegister();
-    if (gdal_host() != NULL) gdal_names_close_memory();
-}
-
 GDALDatasetH gdal_open_name(const char *path, unsigned kind, io_error *error) {
     CPLErrorReset();
     if (gdal_waits(path) || is_text(path)) {
         io_fail(error, "%s: cannot read: not a regular file", path);
         return NULL;
     }
-    register_drivers(path, kind);
     char **drivers = choose_drivers(path);
     GDALDatasetH file =
         GDALOpenEx(path, kind | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, (const char *const *)drivers, NULL, NULL);

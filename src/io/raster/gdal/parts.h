@@ -42,8 +42,4 @@ __attribute__((format(printf, 2, 3))) void gdal_warn(const io_raster_options *op
  * one. */
 void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef);
 
-/* Creation options for GDAL, which the caller frees: the program's, replaced by those of the user. side: of a tile. */
-char **gdal_tiff_options(const io_raster_product *product, const size_t side[2]);
-char **gdal_cog_options(const io_raster_product *product);
-
 #endif

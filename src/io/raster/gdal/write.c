@@ -4,30 +4,118 @@
 
 #include "parts.h"
 
+#include "cpus.h"
+
 #include <cpl_error.h>
 #include <cpl_string.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 enum { ERROR_TEXT = 300 };
 
-struct io_gdal_target {
-    GDALDatasetH file;
-    char *name;
-    char *path_of_cog; /* the GeoTIFF's, if that is a copy of this file; NULL: none */
-    char **cog_options;
-    size_t nx, ny, tile_rows;
-    GDALDataType type;
-    bool failed;
-};
+/* ---- creation options: the program's, and those that the user passes on ------------------------------------------------------ */
 
-static bool fail_write(const io_gdal_target *t, io_error *error) { return gdal_fail(error, t->name, "cannot write"); }
+static GDALDriverH driver_of(bool cog) { return GDALGetDriverByName(cog ? "COG" : "GTiff"); }
 
-static void end(io_gdal_target *t) {
-    CSLDestroy(t->cog_options);
-    free(t->path_of_cog);
-    free(t->name);
-    free(t);
+static char **list_of(const char *const *creation, size_t count) {
+    char **list = NULL;
+    for (size_t k = 0; k < count; k++) list = CSLAddString(list, creation[k]);
+    return list;
+}
+
+bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error) {
+    GDAL_CALL;
+    const char *kind = cog ? "--co with --cog" : "--co";
+    if (driver_of(cog) == NULL) return io_fail(error, "--cog: GDAL was built without its driver COG");
+    for (size_t k = 0; k < count; k++)
+        if (strchr(creation[k], '=') == NULL) return io_fail(error, "%s takes NAME=VALUE, not '%s'", kind, creation[k]);
+    char **list = list_of(creation, count);
+    CPLErrorReset();
+    /* GDAL itself only warns, and writes a file of another kind than the user wanted. */
+    const bool good =
+        list == NULL || GDALValidateCreationOptions(driver_of(cog), list) || gdal_fail(error, kind, "refused");
+    CSLDestroy(list);
+    return good;
+}
+
+/* Threads that compress. A small file is written before they have started. */
+enum { THREADS_MAX = 16 };
+static const double bytes_of_a_large_file = 1 << 24;
+
+static unsigned choose_threads(const io_raster_product *p) {
+    const double bytes = (double)io_cell_bytes(p->cell) * (double)p->nx * (double)p->ny * (double)p->bands;
+    if (p->uncompressed || bytes < bytes_of_a_large_file) return 1;
+    const unsigned count = p->threads > 0 ? p->threads : cpus_usable();
+    return count < THREADS_MAX ? count : THREADS_MAX;
+}
+
+static void *wait_for_end(void *lock) {
+    void *block = malloc(1); /* glibc reserves addresses for each thread that allocates */
+    pthread_mutex_lock(lock);
+    pthread_mutex_unlock(lock);
+    free(block);
+    return NULL;
+}
+
+/* Whether the system lets so many threads run beside those that there are. Three times as many are tried: those tried count against
+ * limits for a moment after they were joined, others of this user start threads as well, and stacks must not take the last memory. */
+static bool threads_can_start(unsigned wanted) {
+    const unsigned count = 3 * wanted;
+    pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    pthread_t *threads = calloc(count, sizeof *threads);
+    unsigned started = 0;
+    pthread_mutex_lock(&lock);
+    while (threads && started < count && pthread_create(&threads[started], NULL, wait_for_end, &lock) == 0) started++;
+    pthread_mutex_unlock(&lock);
+    for (unsigned k = 0; k < started; k++) pthread_join(threads[k], NULL);
+    free(threads);
+    return started == count;
+}
+
+/* GDAL starts the threads as soon as it has the options, and waits for ever for one that the system refuses. */
+static char **limit_threads(char **options) {
+    const char *asked = CSLFetchNameValueDef(options, "NUM_THREADS", "1");
+    const long count = strcasecmp(asked, "ALL_CPUS") == 0 ? (long)cpus_usable() : strtol(asked, NULL, 10);
+    return count > 1 && !(count <= CPUS_MAX && threads_can_start((unsigned)count))
+               ? CSLSetNameValue(options, "NUM_THREADS", "1")
+               : options;
+}
+
+/* The program's, of which each of the user's takes the place of one; a compression that of all that belongs to it. BIGTIFF goes by the
+ * size before compression, which is larger as a rule: 2 GB of 4 are enough for what is added then. */
+static char **make_options(const io_raster_product *p, char **own, const char *compression, const char *more) {
+    char text[300];
+    const bool other = CSLFetchNameValue(own, "COMPRESS") != NULL || p->uncompressed;
+    snprintf(text, sizeof text, "COMPRESS=%s BIGTIFF=IF_SAFER NUM_THREADS=%u %s %s",
+             p->uncompressed ? "NONE" : "DEFLATE", choose_threads(p), other ? "" : compression, more);
+    char **options = CSLMerge(CSLTokenizeString(text), own);
+    CSLDestroy(own);
+    return limit_threads(options);
+}
+
+static char **tiff_options(const io_raster_product *p) {
+    static const char *const predictors[] = {"1", "2", "3", "2"}; /* by the kind of cell */
+    char compression[40], more[200];
+    /* Floats get hardly smaller by higher levels, but take three times as long. */
+    snprintf(compression, sizeof compression, "ZLEVEL=1 PREDICTOR=%s", predictors[p->cell]);
+    snprintf(more, sizeof more, "TILED=YES BLOCKXSIZE=%zu BLOCKYSIZE=%zu INTERLEAVE=BAND PHOTOMETRIC=MINISBLACK",
+             io_raster_tile_side(p->nx), io_raster_tile_side(p->ny));
+    return make_options(p, p->cog ? NULL : list_of(p->creation, p->creation_count), compression, more);
+}
+
+static char **cog_options(const io_raster_product *p) {
+    /* Flags and counts have no mean. GDAL's cubic one leaves the range of the values. */
+    const bool counts = p->cell == IO_CELL_UINT8 || p->cell == IO_CELL_UINT16;
+    return make_options(p, list_of(p->creation, p->creation_count), "LEVEL=1 PREDICTOR=YES",
+                        counts ? "OVERVIEW_RESAMPLING=NEAREST" : "OVERVIEW_RESAMPLING=AVERAGE");
+}
+
+/* ---- the file ---------------------------------------------------------------------------------------------------------------- */
+
+static bool fail_write(const io_raster_writer *w, io_error *error) {
+    return gdal_fail(error, w->output.name, "cannot write");
 }
 
 static GDALDataType type_of(io_cell cell) {
@@ -35,27 +123,27 @@ static GDALDataType type_of(io_cell cell) {
     return types[cell];
 }
 
-static bool describe(io_gdal_target *t, const io_raster_product *p) {
+static bool describe(GDALDatasetH file, const io_raster_product *p) {
     const double(*m)[4] = p->map;
     if (p->georef->placed) {
         double g[6] = {m[0][3] - 0.5 * m[0][0] - 0.5 * m[0][1], m[0][0], m[0][1],
                        m[1][3] - 0.5 * m[1][0] - 0.5 * m[1][1], m[1][0], m[1][1]};
-        if (GDALSetGeoTransform(t->file, g) != CE_None) return false;
+        if (GDALSetGeoTransform(file, g) != CE_None) return false;
     }
     if (p->georef->crs != NULL) {
         OGRSpatialReferenceH crs = OSRNewSpatialReference(p->georef->crs);
         if (crs != NULL) OSRSetAxisMappingStrategy(crs, OAMS_TRADITIONAL_GIS_ORDER);
-        const bool good = crs != NULL && GDALSetSpatialRef(t->file, crs) == CE_None;
+        const bool good = crs != NULL && GDALSetSpatialRef(file, crs) == CE_None;
         if (crs != NULL) OSRDestroySpatialReference(crs);
         if (!good) return false;
     }
     char **notes = NULL;
     for (size_t k = 0; p->notes != NULL && p->notes[k] != NULL; k++) notes = CSLAddString(notes, p->notes[k]);
-    const bool noted = notes == NULL || GDALSetMetadata(t->file, notes, NULL) == CE_None;
+    const bool noted = notes == NULL || GDALSetMetadata(file, notes, NULL) == CE_None;
     CSLDestroy(notes);
     if (!noted) return false;
     for (size_t b = 0; b < p->bands; b++) {
-        GDALRasterBandH band = GDALGetRasterBand(t->file, (int)b + 1);
+        GDALRasterBandH band = GDALGetRasterBand(file, (int)b + 1);
         if (p->has_nodata && GDALSetRasterNoDataValue(band, p->nodata) != CE_None) return false;
         if (p->band_names != NULL) GDALSetDescription(band, p->band_names[b]);
         if (p->unit != NULL && GDALSetRasterUnitType(band, p->unit) != CE_None) return false;
@@ -63,52 +151,31 @@ static bool describe(io_gdal_target *t, const io_raster_product *p) {
     return true;
 }
 
-static bool create(io_gdal_target *t, const char *path, const io_raster_product *p, io_error *error) {
-    const size_t side[2] = {io_raster_tile_side(p->nx), io_raster_tile_side(p->ny)};
-    char **options = gdal_tiff_options(p, side);
-    t->file = GDALCreate(GDALGetDriverByName("GTiff"), path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
+bool gdal_create(io_raster_writer *w, const char *path, io_error *error) {
+    GDAL_CALL;
+    const io_raster_product *p = &w->product;
+    CPLErrorReset();
+    char **options = tiff_options(p);
+    w->state = GDALCreate(driver_of(false), path, (int)p->nx, (int)p->ny, (int)p->bands, type_of(p->cell), options);
     CSLDestroy(options);
-    return (t->file != NULL && describe(t, p)) || fail_write(t, error);
+    if (w->state != NULL && describe(w->state, p)) return true;
+    fail_write(w, error);
+    if (w->state != NULL) GDALClose(w->state);
+    return false;
 }
 
-io_gdal_target *gdal_create(const char *path, const char *full, const char *name, const io_raster_product *p,
-                            io_error *error) {
+bool gdal_write(io_raster_writer *w, size_t band, const io_raster_window *at, const void *cells, io_error *error) {
     GDAL_CALL;
     CPLErrorReset();
-    io_gdal_target *t = calloc(1, sizeof *t);
-    if (t == NULL) {
-        io_fail(error, "%s: out of memory", name);
-        return NULL;
-    }
-    *t = (io_gdal_target){.name = strdup(name),
-                          .path_of_cog = full ? strdup(path) : NULL,
-                          .nx = p->nx,
-                          .ny = p->ny,
-                          .tile_rows = io_raster_tile_side(p->ny),
-                          .type = type_of(p->cell)};
-    const bool named = (t->name && (t->path_of_cog || !full)) || io_fail(error, "%s: out of memory", name);
-    if (named && create(t, full ? full : path, p, error)) {
-        if (full) t->cog_options = gdal_cog_options(p);
-        return t;
-    }
-    if (t->file != NULL) GDALClose(t->file);
-    end(t);
-    return NULL;
-}
-
-bool gdal_write(io_gdal_target *t, size_t band, const io_raster_window *w, const void *cells, io_error *error) {
-    GDAL_CALL;
-    CPLErrorReset();
-    GDALRasterBandH to = GDALGetRasterBand(t->file, (int)band + 1);
+    GDALRasterBandH to = GDALGetRasterBand(w->state, (int)band + 1);
     /* It takes a pointer that is not const for reading and writing alike. */
-    const CPLErr status = GDALRasterIO(to, GF_Write, (int)w->i, (int)w->j, (int)w->nx, (int)w->ny,
-                                       (void *)(uintptr_t)cells, (int)w->nx, (int)w->ny, t->type, 0, 0);
+    const CPLErr status =
+        GDALRasterIO(to, GF_Write, (int)at->i, (int)at->j, (int)at->nx, (int)at->ny, (void *)(uintptr_t)cells,
+                     (int)at->nx, (int)at->ny, type_of(w->product.cell), 0, 0);
     /* Whole tiles go to the threads that compress, while the next ones are computed. */
-    const size_t end = w->j + w->ny;
-    const bool whole = end % t->tile_rows == 0 || end == t->ny;
-    if (status == CE_None && (!whole || GDALFlushRasterCache(to) == CE_None)) return true;
-    t->failed = true;
-    return fail_write(t, error);
+    const size_t end = at->j + at->ny;
+    const bool whole = end % io_raster_tile_side(w->product.ny) == 0 || end == w->product.ny;
+    return (status == CE_None && (!whole || GDALFlushRasterCache(to) == CE_None)) || fail_write(w, error);
 }
 
 /* Whether GDAL has complained since CPLErrorReset. */
@@ -121,28 +188,25 @@ static void CPL_STDCALL keep_error(CPLErr class, CPLErrorNum number, const char 
     if (class >= CE_Failure && first[0] == '\0') snprintf(first, ERROR_TEXT, "%s", text);
 }
 
-static bool copy_to_cog(io_gdal_target *t, io_error *error) {
-    char first[ERROR_TEXT] = "";
+static bool copy_to_cog(const io_raster_writer *w, const char *path, io_error *error) {
+    char first[ERROR_TEXT] = "", **options = cog_options(&w->product);
     CPLErrorReset();
     CPLPushErrorHandlerEx(keep_error, first);
-    GDALDatasetH copy =
-        GDALCreateCopy(GDALGetDriverByName("COG"), t->path_of_cog, t->file, FALSE, t->cog_options, NULL, NULL);
+    GDALDatasetH copy = GDALCreateCopy(driver_of(true), path, w->state, FALSE, options, NULL, NULL);
     if (copy != NULL) GDALClose(copy);
     CPLPopErrorHandler();
+    CSLDestroy(options);
     if (first[0] != '\0' && !has_failed()) CPLError(CE_Failure, CPLE_AppDefined, "%s", first);
-    return (copy != NULL && !has_failed()) || fail_write(t, error);
+    return (copy != NULL && !has_failed()) || fail_write(w, error);
 }
 
-bool gdal_finish(io_gdal_target *t, bool whole, io_error *error) {
+bool gdal_finish(io_raster_writer *w, const char *path_of_cog, io_error *error) {
     GDAL_CALL;
     CPLErrorReset();
-    GDALFlushCache(t->file);
-    bool good = !t->failed && !has_failed();
-    if (!good && !t->failed) fail_write(t, error);
-    if (good && whole && t->path_of_cog) good = copy_to_cog(t, error);
+    GDALFlushCache(w->state);
+    bool good = !has_failed() || fail_write(w, error);
+    if (good && path_of_cog) good = copy_to_cog(w, path_of_cog, error);
     CPLErrorReset();
-    GDALClose(t->file);
-    if (good && has_failed()) good = fail_write(t, error);
-    end(t);
-    return good;
+    GDALClose(w->state);
+    return good && (!has_failed() || fail_write(w, error));
 }
