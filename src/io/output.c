@@ -1,13 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The names of temporary files stand in a static table that never moves and is never freed, so that a signal handler
- * can remove the files while another thread opens or closes one. */
-
 #include "output.h"
 
 #include "inputs.h"
 #include "linux.h"
 #include "number.h"
-#include "target.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -17,14 +13,143 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#if CELLWALK_LINUX
+#include <sys/xattr.h>
+#endif
 
-/* A slot goes FREE -> CLAIMED -> LIVE -> CLAIMED -> FREE by its owner; a signal handler may take LIVE to GONE. */
+/* ---- where an output goes -------------------------------------------------------------------------------------------------- */
+
+/* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor
+ * leads: a file that a shell opened to append to must not be replaced. */
+static int descriptor_of(const char *path) {
+    static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
+    if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0) return STDOUT_FILENO;
+    if (strcmp(path, "/dev/stderr") == 0) return STDERR_FILENO;
+    for (size_t k = 0; k < sizeof folders / sizeof folders[0]; k++) {
+        const char *digits = path + strlen(folders[k]);
+        if (strncmp(path, folders[k], strlen(folders[k])) != 0 || strlen(digits) == 0 || strlen(digits) > 9) continue;
+        if (strspn(digits, "0123456789") == strlen(digits)) return atoi(digits);
+    }
+    return -1;
+}
+
+/* The part of path behind its last slash. */
+static const char *base_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static bool stat_folder(const char *path, struct stat *about) {
+    char folder[PATH_MAX];
+    const int length = (int)(base_of(path) - path);
+    errno = ENAMETOOLONG;
+    return snprintf(folder, PATH_MAX, "%.*s", length > 0 ? length : 2, length > 0 ? path : "./") < PATH_MAX &&
+           stat(folder, about) == 0;
+}
+
+/* The rule of Linux's fs.protected_symlinks, which opening by name would obey: in a shared folder anybody can put a link
+ * where an output is expected. */
+static bool may_follow(const char *path) {
+    struct stat link, folder;
+    if (lstat(path, &link) != 0 || !stat_folder(path, &folder)) return false;
+    const bool shared = (folder.st_mode & (S_ISVTX | S_IWOTH)) == (S_ISVTX | S_IWOTH);
+    if (!shared || link.st_uid == geteuid() || link.st_uid == folder.st_uid) return true;
+    errno = EACCES;
+    return false;
+}
+
+/* The file at the end of a chain of links, which need not exist; stops at a name of a descriptor. To be freed; NULL with errno. */
+static char *follow(const char *path) {
+    enum { LINKS_MAX = 40 };
+    char name[PATH_MAX], link[PATH_MAX];
+    errno = ENAMETOOLONG;
+    if (snprintf(name, sizeof name, "%s", path) >= (int)sizeof name) return NULL;
+    for (int k = 0; k < LINKS_MAX; k++) {
+        const ssize_t length = descriptor_of(name) >= 0 ? -1 : readlink(name, link, sizeof link - 1);
+        if (length < 0) return strdup(name);
+        if (!may_follow(name)) return NULL;
+        char *to = link[0] == '/' ? name : name + (base_of(name) - name);
+        errno = ENAMETOOLONG;
+        if ((size_t)length >= sizeof name - (size_t)(to - name)) return NULL;
+        memcpy(to, link, (size_t)length);
+        to[length] = '\0';
+    }
+    errno = ELOOP;
+    return NULL;
+}
+
+/* Two names that lead to one file are found equal before and after the file exists. Devices equal nothing. 0: not known. */
+typedef struct identity {
+    dev_t device, folder_device;
+    ino_t inode, folder_inode;
+    const char *base; /* in the folder; the target's own text */
+} identity;
+
+/* about: of the file, or NULL if there is none; direct: it is no file of the folder. */
+static void identify(identity *i, const char *target, bool direct, const struct stat *about) {
+    struct stat folder;
+    *i = (identity){.base = base_of(target)};
+    if (about != NULL && !S_ISCHR(about->st_mode)) {
+        i->device = about->st_dev;
+        i->inode = about->st_ino;
+    }
+    if (direct || !stat_folder(target, &folder)) return;
+    i->folder_device = folder.st_dev;
+    i->folder_inode = folder.st_ino;
+}
+
+static bool is_same(const identity *a, const identity *b) {
+    return (a->inode != 0 && a->inode == b->inode && a->device == b->device) ||
+           (a->folder_inode != 0 && a->folder_inode == b->folder_inode && a->folder_device == b->folder_device &&
+            strcmp(a->base, b->base) == 0);
+}
+
+/* ---- what stays of a file that is replaced ---------------------------------------------------------------------------------- */
+
+#if CELLWALK_LINUX
+/* With a list, the mode's bits for the group are the most that the list grants: without the list, they would be the
+ * group's own. A new file may have inherited a list from its folder. */
+static bool keep_list(int fd, const char *old_path) {
+    static const char list[] = "system.posix_acl_access";
+    char bytes[4096];
+    const ssize_t size = getxattr(old_path, list, bytes, sizeof bytes);
+    if (size > 0) return fsetxattr(fd, list, bytes, (size_t)size, 0) == 0;
+    if (size < 0 && errno != ENODATA && errno != ENOTSUP) return false;
+    return fremovexattr(fd, list) == 0 || errno == ENODATA || errno == ENOTSUP;
+}
+#else
+static bool keep_list(int fd, const char *old_path) {
+    (void)fd, (void)old_path;
+    return true;
+}
+#endif
+
+/* Gives the new file fd the owner, group, access control list and permissions of the old one, so that nobody may do more with it.
+ * Set-user-ID, set-group-ID and sticky bits are never kept. Where the group or the list cannot be, group and others get the permissions
+ * that both had. False if the owner cannot be kept: then nothing of the old file's rights has a meaning for the new one. */
+static bool keep_rights(int fd, const char *old_path, const struct stat *old) {
+    struct stat now;
+    if (fstat(fd, &now) != 0) return false;
+    if (now.st_uid != old->st_uid && fchown(fd, old->st_uid, (gid_t)-1) != 0) return false;
+    const bool group = now.st_gid == old->st_gid || fchown(fd, (uid_t)-1, old->st_gid) == 0;
+    mode_t mode = old->st_mode & 0777;
+    if (!group || !keep_list(fd, old_path)) {
+        const mode_t both = mode >> 3 & mode & 07;
+        mode = (mode & 0700) | both << 3 | both;
+    }
+    return fchmod(fd, mode) == 0;
+}
+
+/* ---- temporary files ---------------------------------------------------------------------------------------------------------- */
+
+/* The names stand in a static table that never moves and is never freed, so that a signal handler can remove the files while another
+ * thread opens or closes one. A slot goes FREE -> CLAIMED -> LIVE -> CLAIMED -> FREE by its owner; a signal handler may take LIVE to GONE. */
 enum { FREE, CLAIMED, LIVE, GONE };
 
 static struct slot {
     atomic_int state;
     pid_t process; /* a forked child removes no file of its parent's */
-    io_target_identity identity;
+    identity identity;
     char temporary[PATH_MAX];
 } slots[IO_OUTPUT_MAX];
 
@@ -47,7 +172,7 @@ static bool claim(io_output *out) {
         int expected = FREE;
         if (!atomic_compare_exchange_strong(&slots[k].state, &expected, CLAIMED)) continue;
         slots[k].process = getpid();
-        slots[k].identity = (io_target_identity){0};
+        slots[k].identity = (identity){0};
         out->slot = k;
         return true;
     }
@@ -85,7 +210,7 @@ static int create_temporary(struct slot *s, const char *name, int length, mode_t
 /* By a hidden name beside target, which nobody can foresee and so nobody can be in the way of. */
 static int create(const io_output *out, const char *target, mode_t mode) {
     enum { BASE_MAX = 200 }; /* leaves room for the rest of the name in NAME_MAX */
-    const char *base = io_target_base(target);
+    const char *base = base_of(target);
     char name[PATH_MAX];
     unsigned long long number;
     if (getentropy(&number, sizeof number) != 0) return -1;
@@ -97,7 +222,7 @@ static int create(const io_output *out, const char *target, mode_t mode) {
 static int create_in_place_of(io_output *out, const struct stat *old) {
     if (faccessat(AT_FDCWD, out->target, W_OK, AT_EACCESS) != 0) return -1;
     const int fd = create(out, out->target, 0600); /* nobody else may read the first bytes either */
-    if (fd < 0 || io_target_keep_rights(fd, out->target, old)) return fd;
+    if (fd < 0 || keep_rights(fd, out->target, old)) return fd;
     close(fd);
     if (take(&slots[out->slot], CLAIMED)) unlink(slots[out->slot].temporary);
     return create(out, out->target, 0666);
@@ -110,9 +235,9 @@ static bool check_conflicts(const io_output *out, const struct stat *about, io_e
     if (!io_inputs_are_protected()) return true;
     if (about != NULL && io_inputs_have(about))
         return io_fail(error, "%s: is also an input; choose another name for the output", out->name);
-    io_target_identify(&own->identity, out->target, out->direct, about);
+    identify(&own->identity, out->target, out->direct, about);
     for (struct slot *s = slots; s < slots + IO_OUTPUT_MAX; s++)
-        if (s != own && atomic_load(&s->state) != FREE && io_target_same(&s->identity, &own->identity))
+        if (s != own && atomic_load(&s->state) != FREE && is_same(&s->identity, &own->identity))
             return io_fail(error, "%s: is also another output; choose another name for one of them", out->name);
     for (int k = 0; k < 2 && about != NULL && !out->direct; k++) {
         struct stat stream;
@@ -126,7 +251,7 @@ static bool check_conflicts(const io_output *out, const struct stat *about, io_e
 /* A descriptor, or -1 with a message. */
 static int open_target(io_output *out, io_error *error) {
     struct stat about;
-    const int number = io_target_descriptor(out->target);
+    const int number = descriptor_of(out->target);
     const bool exists = (number >= 0 ? fstat(number, &about) : stat(out->target, &about)) == 0;
     out->direct = number >= 0 || (exists && !S_ISREG(about.st_mode));
     if (!check_conflicts(out, exists ? &about : NULL, error)) return -1;
@@ -142,7 +267,7 @@ bool io_output_open(io_output *out, const char *path, io_error *error) {
     *out = (io_output){.slot = -1};
     if (path[0] == '\0') return io_fail(error, "the output file's name is empty");
     out->name = strdup(strcmp(path, "-") == 0 ? "standard output" : path);
-    out->target = out->name ? io_target_follow(path) : NULL;
+    out->target = out->name ? follow(path) : NULL;
     if (out->target == NULL || !claim(out)) {
         io_fail(error, "%s: cannot write: %s", path, strerror(errno));
     } else {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Output files, renamed into place when complete. The bytes go to a hidden file in the same folder, ".NAME.16 digits.tmp", which is
  * removed when the output fails and when the process ends or is interrupted. A file that is replaced stays as it is until the
- * new bytes are on the disk.
- * Devices and pipes (/dev/stdout) are written directly; "-" is standard output. target.h says what the new file takes
- * over from the one it replaces. No output replaces an input (inputs.h). */
+ * new bytes are on the disk; the new one has its owner, group, access list and permissions. In a folder that is sticky and writable for
+ * all, as /tmp, only links of the user's own or of the folder's owner are followed.
+ * Devices and pipes (/dev/stdout) are written directly; "-" is standard output. No output replaces an input (inputs.h). */
 #ifndef CELLWALK_IO_OUTPUT_H
 #define CELLWALK_IO_OUTPUT_H
 
@@ -12,6 +12,14 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+/* Whether a file's name has that ending, in capitals or not. */
+static inline bool io_name_ends(const char *path, const char *ending) {
+    const size_t length = strlen(path), size = strlen(ending);
+    return length > size && strcasecmp(path + length - size, ending) == 0;
+}
 
 typedef struct io_output {
     FILE *file;   /* open for writing, at its start; NULL once the output is settled, and while it is not open */

@@ -5,7 +5,6 @@
 #include "inputs.h"
 #include "printable.h"
 #include "table.h"
-#include "target.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,6 @@
 
 #include "image.h"
 #include "large.h"
-#include "target.h"
 
 #include <stdlib.h>
 

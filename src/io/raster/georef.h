@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Position, coordinate system and units of a raster. */
+/* Position, coordinate system, units and scale of a raster. */
 #ifndef CELLWALK_IO_GEOREF_H
 #define CELLWALK_IO_GEOREF_H
+
+#include "map_scale.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -31,5 +33,11 @@ void io_unit_name(double metres, char *text);
 /* Fills in crs, geographic, unit and ellipsoid from well-known text, of which it reads only these parts. For the
  * Python module, which gets the text from others; with files GDAL reads it. False if it is not well-known text. */
 bool io_georef_from_wkt(io_georef *georef, const char *wkt);
+
+/* Fills in the scale over nx × ny samples of a projected map. False if the map is no projected one, or its scale cannot
+ * be had. Warns, by a sentence without a full stop that begins with name, where that matters: if the scale is not known,
+ * and if it differs by direction or along a row by more than 1 %, which a map_scale does not have. warn may be NULL. */
+bool io_scale_find(const io_georef *georef, double map[3][4], size_t nx, size_t ny, const char *name,
+                   void (*warn)(void *context, const char *text), void *context, map_scale *scale);
 
 #endif

@@ -4,7 +4,7 @@
 #include "raster.h"
 
 #include "large.h"
-#include "target.h"
+#include "output.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -7,7 +7,6 @@
 #include "image.h"
 #include "inputs.h"
 #include "npy.h"
-#include "target.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -3,7 +3,6 @@
 #include "extension.h"
 #include "place_sky.h"
 #include "raster.h"
-#include "scale.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -88,52 +88,59 @@ static void to_space(const globe *g, double longitude, double latitude, double o
     out[2] = across * (1 - g->eccentricity2) * sine;
 }
 
-/* x and y hold 4 ends a place, as longitudes and latitudes; far: the distance of two ends on the map. */
-static bool take_scales(const globe *g, size_t n, const double *x, const double *y, double far, double (*metres)[3]) {
-    bool good = true;
-    for (size_t k = 0; k < n; k++) {
-        double end[4][3], along[2][3], dot = 0;
-        for (size_t e = 0; e < 4; e++) to_space(g, x[4 * k + e], y[4 * k + e], end[e]);
-        for (int a = 0; a < 2; a++) {
-            for (int c = 0; c < 3; c++) along[a][c] = (end[2 * a + 1][c] - end[2 * a][c]) / far;
-            metres[k][a] = sqrt(along[a][0] * along[a][0] + along[a][1] * along[a][1] + along[a][2] * along[a][2]);
-        }
-        for (int c = 0; c < 3; c++) dot += along[0][c] * along[1][c];
-        metres[k][2] = dot / (metres[k][0] * metres[k][1]);
-        for (int a = 0; a < 2; a++) good = good && isfinite(metres[k][a]) && metres[k][a] > 0;
+/* metres: on the ground in one of the map's x and in one of its y, by longitudes and latitudes of the ends of two lines, which are so far away
+ * from each other on the map; *cosine: of the angle between the two lines. */
+static bool take_scale(const globe *g, const double x[4], const double y[4], double far, double metres[2],
+                       double *cosine) {
+    double end[4][3], along[2][3], dot = 0;
+    for (size_t e = 0; e < 4; e++) to_space(g, x[e], y[e], end[e]);
+    for (int a = 0; a < 2; a++) {
+        for (int c = 0; c < 3; c++) along[a][c] = (end[2 * a + 1][c] - end[2 * a][c]) / far;
+        metres[a] = sqrt(along[a][0] * along[a][0] + along[a][1] * along[a][1] + along[a][2] * along[a][2]);
     }
-    return good;
+    for (int c = 0; c < 3; c++) dot += along[0][c] * along[1][c];
+    *cosine = dot / (metres[0] * metres[1]);
+    return isfinite(metres[0]) && metres[0] > 0 && isfinite(metres[1]) && metres[1] > 0;
 }
 
-/* The system's own longitudes and latitudes: without a change of datum, which may need grids. */
-static bool find_scales(OGRSpatialReferenceH map, size_t n, const double *at_x, const double *at_y, double *x,
-                        double *y, double (*metres)[3]) {
-    OGRSpatialReferenceH earth = OSRCloneGeogCS(map);
-    if (earth == NULL) return false;
+/* By the system's own longitudes and latitudes: without a change of datum, which may need grids. */
+static bool find_scale(OGRSpatialReferenceH system, OGRSpatialReferenceH earth, double map[3][4], size_t nx, size_t ny,
+                       map_scale *scale, double *sheared) {
+    enum { NODES = MAP_SCALE_ROWS * MAP_SCALE_COLUMNS };
     OGRErr status[2] = {OGRERR_NONE, OGRERR_NONE};
-    const double unit = OSRGetLinearUnits(map, NULL), semi_major = OSRGetSemiMajor(earth, &status[0]),
+    const double unit = OSRGetLinearUnits(system, NULL), semi_major = OSRGetSemiMajor(earth, &status[0]),
                  inverse = OSRGetInvFlattening(earth, &status[1]), flattening = inverse > 0 ? 1 / inverse : 0;
     const globe g = {semi_major, flattening * (2 - flattening), OSRGetAngularUnits(earth, NULL)};
-    bool good = status[0] == OGRERR_NONE && status[1] == OGRERR_NONE && unit > 0 && semi_major > 0;
-    const double away = good ? step / unit : 0;
-    for (size_t k = 0; k < 4 * n; k++) {
-        x[k] = at_x[k / 4] + (k % 4 == 0 ? -away : k % 4 == 1 ? away : 0);
-        y[k] = at_y[k / 4] + (k % 4 == 2 ? -away : k % 4 == 3 ? away : 0);
+    if (status[0] != OGRERR_NONE || status[1] != OGRERR_NONE || !(unit > 0) || !(semi_major > 0)) return false;
+    const double away = step / unit;
+    double x[4 * NODES], y[4 * NODES];
+    for (int n = 0; n < NODES; n++) {
+        const double i = (double)(n % MAP_SCALE_COLUMNS) / (MAP_SCALE_COLUMNS - 1) * (double)(nx - 1),
+                     j = (double)(n / MAP_SCALE_COLUMNS) / (MAP_SCALE_ROWS - 1) * (double)(ny - 1),
+                     at[2] = {map[0][0] * i + map[0][1] * j + map[0][3], map[1][0] * i + map[1][1] * j + map[1][3]};
+        for (int e = 0; e < 4; e++) {
+            x[4 * n + e] = at[0] + (e == 0 ? -away : e == 1 ? away : 0);
+            y[4 * n + e] = at[1] + (e == 2 ? -away : e == 3 ? away : 0);
+        }
     }
-    good = good && bring(map, earth, 4 * n, x, y) && take_scales(&g, n, x, y, 2 * away, metres);
-    OSRDestroySpatialReference(earth);
+    bool good = bring(system, earth, 4 * NODES, x, y);
+    *sheared = 0;
+    for (int n = 0; n < NODES && good; n++) {
+        double cosine;
+        good = take_scale(&g, x + 4 * n, y + 4 * n, 2 * away,
+                          scale->metres[n / MAP_SCALE_COLUMNS][n % MAP_SCALE_COLUMNS], &cosine);
+        *sheared = fmax(*sheared, fabs(cosine));
+    }
     return good;
 }
 
-bool gdal_scales(const char *crs, size_t n, const double *at_x, const double *at_y, double (*metres)[3],
-                 io_error *error) {
+bool gdal_scale(const char *crs, double map[3][4], size_t nx, size_t ny, map_scale *scale, double *sheared,
+                io_error *error) {
     GDAL_CALL;
     CPLErrorReset();
-    OGRSpatialReferenceH map = OSRNewSpatialReference(crs);
-    double *x = malloc(4 * n * sizeof *x), *y = malloc(4 * n * sizeof *y);
-    const bool good = map != NULL && x != NULL && y != NULL && find_scales(map, n, at_x, at_y, x, y, metres);
-    free(x);
-    free(y);
-    OSRDestroySpatialReference(map);
+    OGRSpatialReferenceH system = OSRNewSpatialReference(crs), earth = system ? OSRCloneGeogCS(system) : NULL;
+    const bool good = earth != NULL && find_scale(system, earth, map, nx, ny, scale, sheared);
+    OSRDestroySpatialReference(earth);
+    OSRDestroySpatialReference(system);
     return good || fail_way(error);
 }

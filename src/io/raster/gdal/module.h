@@ -4,6 +4,7 @@
 #ifndef CELLWALK_IO_GDAL_MODULE_H
 #define CELLWALK_IO_GDAL_MODULE_H
 
+#include "map_scale.h"
 #include "points.h"
 #include "raster.h"
 #include "raster_out.h"
@@ -42,12 +43,13 @@ bool gdal_finish(io_raster_writer *writer, const char *path_of_cog, io_error *er
 /* Longitude and latitude (WGS 84, degrees) of n places of a coordinate system, or the other way round; in place. */
 bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
 
-/* The scale of a projected system at n places: metres on its ellipsoid in one of the map's x and in one of its y, and
- * the cosine of the angle between the two there. */
-bool gdal_scales(const char *crs, size_t n, const double *x, const double *y, double (*metres)[3], io_error *error);
+/* The scale of a projected system over a raster, in metres on its ellipsoid. *sheared: the greatest cosine of the angle between the
+ * map's x and y there. */
+bool gdal_scale(const char *crs, double map[3][4], size_t nx, size_t ny, map_scale *scale, double *sheared,
+                io_error *error);
 
 #define IO_GDAL_FUNCTIONS(F)                                                                                           \
-    F(raster) F(points) F(areas) F(check_creation) F(create) F(write) F(finish) F(lon_lat) F(scales)
+    F(raster) F(points) F(areas) F(check_creation) F(create) F(write) F(finish) F(lon_lat) F(scale)
 #define IO_GDAL_FIELD(name) __typeof__(gdal_##name) *name;
 typedef struct io_gdal {
     int version; /* IO_GDAL_VERSION as the module was built */
