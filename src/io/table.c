@@ -83,64 +83,48 @@ static bool check_separator(const scanner *s) {
     return true;
 }
 
-static bool take_names(scanner *s, io_table *t) {
-    if (!check_separator(s)) return false;
-    size_t room = 0;
-    for (bool last = false; !last; t->columns++) {
-        if (t->columns == IO_TABLE_COLUMNS_MAX)
-            return io_fail(s->error, "%s:%zu: names more than %d columns", t->path, s->line, (int)IO_TABLE_COLUMNS_MAX);
-        if (t->columns == room) {
-            room = room ? 2 * room : 16;
-            char **names = realloc(t->names, room * sizeof *names);
-            if (names == NULL) return io_fail(s->error, "%s: out of memory", t->path);
-            t->names = names;
-        }
-        if (!take_cell(s, &t->names[t->columns], &last)) return false;
-    }
-    return true;
-}
-
-static bool make_room(io_table *t) {
-    if (t->rows < t->room) return true;
-    const size_t room = t->room ? 2 * t->room : 1; /* a row may have thousands of cells */
-    char **cells = realloc(t->cells, room * t->columns * sizeof *cells);
-    if (cells) t->cells = cells;
-    size_t *lines = realloc(t->lines, room * sizeof *lines);
-    if (lines) t->lines = lines;
-    if (cells && lines) t->room = room;
-    return cells && lines;
-}
-
-static bool take_row(scanner *s, io_table *t) {
-    if (!make_room(t)) return io_fail(s->error, "%s: out of memory", t->path);
-    const size_t line = s->line;
+/* The cells of a line, for which there is room, and how many there are; 0 after an error. */
+static size_t take_row(scanner *s, char **cells) {
     size_t count = 0;
-    for (bool last = false; !last; count++) {
-        char *cell;
-        if (!take_cell(s, &cell, &last)) return false;
-        if (count < t->columns) t->cells[t->rows * t->columns + count] = cell;
-    }
-    if (count != t->columns)
-        return io_fail(s->error, "%s:%zu: the line has %zu cell%s where the first one names %zu column%s", t->path,
-                       line, count, count == 1 ? "" : "s", t->columns, t->columns == 1 ? "" : "s");
-    t->lines[t->rows++] = line;
-    return true;
+    for (bool last = false; !last; count++)
+        if (!take_cell(s, &cells[count], &last)) return 0;
+    return count;
+}
+
+/* Each cell ends at a comma, at the end of its line or at that of the text. */
+static bool make_room(io_table *t, size_t size) {
+    size_t cells = 1;
+    for (size_t k = 0; k < size; k++) cells += t->text[k] == ',' || t->text[k] == '\n' || t->text[k] == '\r';
+    t->names = malloc(cells * sizeof *t->names);
+    t->lines = malloc(cells * sizeof *t->lines);
+    return t->names && t->lines;
 }
 
 static bool take_table(io_table *t, size_t size, io_error *error) {
     scanner s = {.table = t, .at = t->text, .end = t->text + size, .line = 1, .error = error};
+    if (!make_room(t, size)) return io_fail(error, "%s: out of memory", t->path);
     if (size >= 3 && memcmp(s.at, "\xef\xbb\xbf", 3) == 0) s.at += 3;
     if (memchr(s.at, '\0', (size_t)(s.end - s.at)))
         return io_fail(error, "%s: is no text in UTF-8: it has zero bytes, as UTF-16 has", t->path);
     for (skip_blanks(&s); s.at < s.end && is_end_of_line(&s); skip_blanks(&s)) next_line(&s);
     if (s.at == s.end) return io_fail(error, "%s: is empty; its first line should name the columns", t->path);
-    if (!take_names(&s, t)) return false;
+    const size_t first = s.line;
+    if (!check_separator(&s) || (t->columns = take_row(&s, t->names)) == 0) return false;
+    if (t->columns > IO_TABLE_COLUMNS_MAX)
+        return io_fail(error, "%s:%zu: names more than %d columns", t->path, first, (int)IO_TABLE_COLUMNS_MAX);
+    t->cells = t->names + t->columns;
     while (s.at < s.end) {
         skip_blanks(&s);
-        if (is_end_of_line(&s))
+        if (is_end_of_line(&s)) {
             next_line(&s);
-        else if (!take_row(&s, t))
-            return false;
+            continue;
+        }
+        const size_t line = s.line, count = take_row(&s, t->cells + t->rows * t->columns);
+        if (count == 0) return false;
+        if (count != t->columns)
+            return io_fail(error, "%s:%zu: the line has %zu cell%s where the first one names %zu column%s", t->path,
+                           line, count, count == 1 ? "" : "s", t->columns, t->columns == 1 ? "" : "s");
+        t->lines[t->rows++] = line;
     }
     return true;
 }
@@ -156,7 +140,6 @@ bool io_table_read(const char *path, io_table *t, io_error *error) {
 
 void io_table_free(io_table *t) {
     free(t->names);
-    free(t->cells);
     free(t->lines);
     free(t->text);
     *t = (io_table){0};
@@ -189,30 +172,31 @@ bool io_table_height(const io_table *t, size_t row, size_t column, double *heigh
     return good || io_table_fail(t, row, column, "a height, as 2 or =1250,", error);
 }
 
+/* The names of columns that are none of count, with commas between them; how long that would be. */
+static size_t list_others(const io_table *t, const char *const *names, size_t count, const char *mark, char *text,
+                          size_t size) {
+    size_t used = 0;
+    text[0] = '\0';
+    for (size_t k = 0; k < t->columns && used < size; k++) {
+        bool known = false;
+        for (size_t n = 0; n < count; n++) known |= strcasecmp(t->names[k], names[n]) == 0;
+        if (!known)
+            used += (size_t)snprintf(text + used, size - used, "%s%s%s%s", used ? ", " : "", mark, t->names[k], mark);
+    }
+    return used;
+}
+
 static bool find_column(const io_table *t, const char *name, bool needed, size_t *column, io_error *error) {
-    char there[200] = "";
+    char there[200];
     *column = t->columns;
-    for (size_t k = 0, used = 0; k < t->columns; k++) {
-        if (used < sizeof there)
-            used += (size_t)snprintf(there + used, sizeof there - used, "%s%s", k ? ", " : "", t->names[k]);
+    for (size_t k = 0; k < t->columns; k++) {
         if (strcasecmp(t->names[k], name) != 0) continue;
         if (*column < t->columns) return io_fail(error, "%s: two columns have the name '%s'", t->path, name);
         *column = k;
     }
-    return *column < t->columns || !needed ||
-           io_fail(error, "%s: has no column '%s'; its first line names %s", t->path, name, there);
-}
-
-/* In quotation marks, with commas between them. */
-static bool list_others(const io_table *t, const char *const *names, size_t count, char *others, size_t size) {
-    size_t used = 0;
-    others[0] = '\0';
-    for (size_t k = 0; k < t->columns && used < size; k++) {
-        bool known = false;
-        for (size_t n = 0; n < count; n++) known |= strcasecmp(t->names[k], names[n]) == 0;
-        if (!known) used += (size_t)snprintf(others + used, size - used, "%s'%s'", used ? ", " : "", t->names[k]);
-    }
-    return used > 0;
+    if (*column < t->columns || !needed) return true;
+    list_others(t, NULL, 0, "", there, sizeof there);
+    return io_fail(error, "%s: has no column '%s'; its first line names %s", t->path, name, there);
 }
 
 bool io_table_columns(const io_table *t, const char *const *names, size_t count, size_t needed, size_t *columns,
@@ -224,7 +208,7 @@ bool io_table_columns(const io_table *t, const char *const *names, size_t count,
         const char *between = n == 0 ? "" : n + 1 == count ? " and " : ", ";
         used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", between, names[n]);
     }
-    if (warn == NULL || !list_others(t, names, count, others, sizeof others)) return true;
+    if (warn == NULL || list_others(t, names, count, "'", others, sizeof others) == 0) return true;
     snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are %s", t->path, others, all);
     warn(context, text);
     return true;

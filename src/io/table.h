@@ -15,10 +15,9 @@ typedef struct io_table {
     const char *path;
     size_t columns, rows;
     char **names;  /* of the columns */
-    char **cells;  /* row by row, without blanks around them */
+    char **cells;  /* row by row, without blanks around them; behind names in its memory */
     size_t *lines; /* on which each row begins, from 1 on */
     char *text;    /* of the file; names and cells point into it */
-    size_t room;   /* rows that fit into cells and lines */
 } io_table;
 
 /* path must stay. An error for a file without a line, for rows with fewer or more cells than there are columns, and for a first line

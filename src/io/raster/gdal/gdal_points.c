@@ -224,8 +224,8 @@ static OGRGeometryH take_polygons(reader *r, OGRFeatureH f) {
 }
 
 /* Sets bytes in the memory of a raster that GDAL draws on. */
-static bool draw(const io_mask *m, int count, OGRGeometryH *polygons) {
-    const double(*a)[4] = m->map;
+static bool draw(const io_mask *m, OGRGeometryH polygons) {
+    const double(*a)[4] = m->map, one = 1;
     double corner[6]; /* of the first sample's pixel */
     for (int k = 0; k < 2; k++) {
         corner[3 * k] = a[k][3] - 0.5 * (a[k][0] + a[k][1]);
@@ -238,39 +238,29 @@ static bool draw(const io_mask *m, int count, OGRGeometryH *polygons) {
     GDALDatasetH raster = GDALCreate(GDALGetDriverByName("MEM"), "", (int)m->nx, (int)m->ny, 0, GDT_Byte, NULL);
     if (raster == NULL) return false;
     const int band = 1;
-    double *values = malloc((size_t)count * sizeof *values);
-    for (int k = 0; values != NULL && k < count; k++) values[k] = 1;
     const bool good =
-        values != NULL && GDALSetGeoTransform(raster, corner) == CE_None &&
+        GDALSetGeoTransform(raster, corner) == CE_None &&
         GDALAddBand(raster, GDT_Byte, (char **)(uintptr_t)options) == CE_None &&
-        GDALRasterizeGeometries(raster, 1, &band, count, polygons, NULL, NULL, values, NULL, NULL, NULL) == CE_None;
-    free(values);
+        GDALRasterizeGeometries(raster, 1, &band, 1, &polygons, NULL, NULL, &one, NULL, NULL, NULL) == CE_None;
     GDALClose(raster);
     return good;
 }
 
 static bool take_areas(reader *r, OGRLayerH layer) {
-    OGRGeometryH *polygons = NULL;
-    int count = 0, room = 0;
+    OGRGeometryH all = OGR_G_CreateGeometry(wkbGeometryCollection); /* whose parts are drawn one by one */
     bool good = true;
     OGR_L_ResetReading(layer);
     CPLErrorReset();
     for (OGRFeatureH f; good && (f = OGR_L_GetNextFeature(layer)) != NULL; OGR_F_Destroy(f)) {
         if (OGR_F_GetGeometryRef(f) == NULL || OGR_G_IsEmpty(OGR_F_GetGeometryRef(f))) continue;
-        if (count == room) {
-            room = room ? 2 * room : 64;
-            OGRGeometryH *more = realloc(polygons, (size_t)room * sizeof *more);
-            if (!(good = more != NULL || io_fail(r->error, "%s: out of memory", r->path))) continue;
-            polygons = more;
-        }
-        good = (polygons[count] = take_polygons(r, f)) != NULL;
-        count += good;
+        OGRGeometryH g = take_polygons(r, f);
+        good = g != NULL;
+        if (good) OGR_G_AddGeometryDirectly(all, g);
     }
     if (good && CPLGetLastErrorType() >= CE_Failure) good = gdal_fail_read(r->error, r->path, "cannot read");
-    if (good && count == 0) good = io_fail(r->error, "%s: holds no polygons", r->path);
-    if (good && !draw(r->mask, count, polygons)) good = gdal_fail(r->error, r->path, "cannot be drawn");
-    for (int k = 0; k < count; k++) OGR_G_DestroyGeometry(polygons[k]);
-    free(polygons);
+    if (good && OGR_G_GetGeometryCount(all) == 0) good = io_fail(r->error, "%s: holds no polygons", r->path);
+    if (good && !draw(r->mask, all)) good = gdal_fail(r->error, r->path, "cannot be drawn");
+    OGR_G_DestroyGeometry(all);
     return good;
 }
 
