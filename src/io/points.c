@@ -2,7 +2,6 @@
 #include "points.h"
 
 #include "gdal/module.h"
-#include "inputs.h"
 #include "printable.h"
 #include "table.h"
 
@@ -94,12 +93,12 @@ static const io_gdal *load(const char *path, const char *what, io_error *error) 
 
 static bool read_features(const char *path, const io_points_options *o, io_points *points, io_error *error) {
     const io_gdal *gdal = load(path, "places come from .csv; all other files", error);
-    return gdal != NULL && gdal->points(path, o, points, io_points_add, io_inputs_note_path, error);
+    return gdal != NULL && gdal->points(path, o, points, error);
 }
 
 bool io_areas_read(const char *path, const io_points_options *o, const io_mask *mask, io_error *error) {
     const io_gdal *gdal = load(path, "polygons", error);
-    return gdal != NULL && gdal->areas(path, o, mask, io_inputs_note_path, error);
+    return gdal != NULL && gdal->areas(path, o, mask, error);
 }
 
 bool io_points_read(const char *path, const io_points_options *o, io_points *points, io_error *error) {

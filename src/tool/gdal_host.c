@@ -46,7 +46,4 @@ static io_gdal_host host = {.prepare = prepare, .hide_streams = hide, .show_stre
 
 void gdal_host_install(void) { io_raster_host(&host); }
 
-void gdal_allow_network(void) {
-    host.network = true;
-    io_raster_host(&host);
-}
+void gdal_allow_network(void) { host.network = true; }

@@ -14,8 +14,6 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerInitialize(int *count, char ***arguments);
-io_gdal_entry cellwalk_gdal_module;
-static const io_gdal *module;
 
 /* Few bytes may ask for as many samples as a field can hold, and rightly: no data, told briefly. Here that takes time alone. */
 static bool allocate_few(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error) {
@@ -27,7 +25,7 @@ static bool allocate_few(const char *path, size_t nx, size_t ny, io_raster *rast
 
 /* In place of src/io/raster/raster_gdal.c. */
 bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
-    if (module->raster(path, options, io_inputs_note_path, allocate_few, raster, error)) return true;
+    if (cellwalk_gdal_16.raster(path, options, raster, error)) return true;
     io_raster_free(raster);
     return false;
 }
@@ -36,8 +34,9 @@ static void leave_streams(void) {}
 
 int LLVMFuzzerInitialize(int *count, char ***arguments) {
     static const io_gdal_host host = {.hide_streams = leave_streams, .show_streams = leave_streams};
+    static const io_gdal_program program = {&host, io_inputs_note_path, allocate_few, io_points_add};
     (void)count, (void)arguments;
-    module = cellwalk_gdal_module(&host);
+    cellwalk_gdal_16.start(&program);
     GDALSetCacheMax(1 << 20);
     CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_FILENAME", "none"); /* a VRT may name files of other machines */
     CPLSetConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");

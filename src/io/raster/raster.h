@@ -55,7 +55,7 @@ typedef struct io_gdal_host {
     void (*hide_streams)(void), (*show_streams)(void);
 } io_gdal_host;
 
-/* Before the first raster is read or written, by the program. Without it, as in Python, GDAL keeps its settings. */
+/* Before the first raster is read or written, by the program; host must stay. Without it, as in Python, GDAL keeps its settings. */
 void io_raster_host(const io_gdal_host *host);
 
 /* The readers. On failure the raster needs no freeing. They leave to the caller: no-data by the options, cell size and unit of

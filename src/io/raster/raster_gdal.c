@@ -39,13 +39,9 @@ static bool find_module(char path[PATH_MAX]) {
            is_beside(program, "/" CELLWALK_MODULES_FROM_PROGRAM, path);
 }
 
-static io_gdal_host host;
-static bool has_host;
+static io_gdal_program program = {NULL, io_inputs_note_path, io_raster_allocate, io_points_add};
 
-void io_raster_host(const io_gdal_host *program) {
-    host = *program;
-    has_host = true;
-}
+void io_raster_host(const io_gdal_host *host) { program.host = host; }
 
 const io_gdal *io_gdal_load(io_error *error) {
     static const io_gdal *loaded;
@@ -57,21 +53,16 @@ const io_gdal *io_gdal_load(io_error *error) {
                 module_name);
         return NULL;
     }
-    if (has_host && !host.prepare(host.network, error)) return NULL;
+    if (program.host && !program.host->prepare(program.host->network, error)) return NULL;
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    io_gdal_entry *entry = NULL;
-    void *symbol = library ? dlsym(library, IO_GDAL_SYMBOL) : NULL;
-    if (symbol != NULL) memcpy(&entry, &symbol, sizeof entry); /* ISO C has no cast from an object to a function */
-    if (entry == NULL) {
+    const io_gdal *module =
+        library ? dlsym(library, IO_GDAL_SYMBOL) : NULL; /* that of another version has no such symbol */
+    if (module == NULL) {
         const char *reason = dlerror();
         io_fail(error, "cannot load GDAL: %s", reason ? reason : path);
         return NULL;
     }
-    const io_gdal *module = entry(has_host ? &host : NULL);
-    if (module->version != IO_GDAL_VERSION) {
-        io_fail(error, "cannot load GDAL: %s belongs to another version of cellwalk", path);
-        return NULL;
-    }
+    module->start(&program);
     return loaded = module;
 }
 
@@ -82,7 +73,7 @@ bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_
         return io_fail(error,
                        "%s: only .npy is read without GDAL; GeoTIFF, ASCII grids and all other rasters need it: %s",
                        path, reason.text);
-    if (gdal->raster(path, options, io_inputs_note_path, io_raster_allocate, raster, error)) return true;
+    if (gdal->raster(path, options, raster, error)) return true;
     io_raster_free(raster);
     return false;
 }

@@ -9,18 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* NULL of a system that is damaged. */
 static char *well_known_text(OGRSpatialReferenceH crs) {
     static const char *const options[] = {"FORMAT=WKT2_2019", "MULTILINE=NO", NULL};
     char *text = NULL;
-    if (OSRExportToWktEx(crs, &text, options) != OGRERR_NONE || text == NULL) {
-        CPLFree(text);
-        text = NULL;
-        if (OSRExportToWkt(crs, &text) != OGRERR_NONE || text == NULL) {
-            CPLFree(text); /* of one that is damaged it is empty, not NULL */
-            return NULL;
-        }
-    }
-    char *copy = strdup(text); /* for the program to free */
+    const bool good = OSRExportToWktEx(crs, &text, options) == OGRERR_NONE && text != NULL;
+    char *copy = good ? strdup(text) : NULL; /* for the program to free */
     CPLFree(text);
     return copy;
 }

@@ -48,13 +48,14 @@ static const struct {
 };
 enum { SETTINGS = sizeof settings / sizeof settings[0] };
 
-static const io_gdal_host *program;
+static const io_gdal_program *program;
 static _Thread_local bool set_here[SETTINGS];
 
-const io_gdal_host *gdal_host(void) { return program; }
+const io_gdal_program *gdal_program(void) { return program; }
+const io_gdal_host *gdal_host(void) { return program->host; }
 
 void gdal_streams(bool shown) {
-    if (program != NULL) (shown ? program->show_streams : program->hide_streams)();
+    if (gdal_host() != NULL) (shown ? gdal_host()->show_streams : gdal_host()->hide_streams)();
 }
 
 bool gdal_enter(void) {
@@ -95,22 +96,17 @@ bool gdal_thread_failed(void) { return atomic_load(&thread_failed); }
 static void own_process(void) {
     CPLSetErrorHandler(note_error);
     gdal_names_close_memory();
-    if (!program->network) OSRSetPROJEnableNetwork(0);
+    if (!gdal_host()->network) OSRSetPROJEnableNetwork(0);
     for (size_t k = 0; k < SETTINGS; k++)
         if (CPLGetConfigOption(settings[k].key, NULL) == NULL) CPLSetConfigOption(settings[k].key, settings[k].value);
     if (CPLGetConfigOption("GDAL_NUM_THREADS", NULL) == NULL) CPLSetConfigOption("GDAL_NUM_THREADS", "1");
 }
 
-/* The one symbol that the module exports. */
-__attribute__((visibility("default"))) io_gdal_entry cellwalk_gdal_module;
-const io_gdal *cellwalk_gdal_module(const io_gdal_host *host) {
-#define ENTRY(name) .name = gdal_##name,
-    static const io_gdal table = {.version = IO_GDAL_VERSION, IO_GDAL_FUNCTIONS(ENTRY)};
-    static bool ready;
-    if (ready) return &table;
-    ready = true;
-    program = host;
+void gdal_start(const io_gdal_program *of) {
+    program = of;
     GDALAllRegister();
-    if (host != NULL) own_process();
-    return &table;
+    if (gdal_host() != NULL) own_process();
 }
+
+#define ENTRY(name) .name = gdal_##name,
+__attribute__((visibility("default"))) const io_gdal cellwalk_gdal_16 = {IO_GDAL_FUNCTIONS(ENTRY)};

@@ -16,8 +16,7 @@
 typedef struct reader {
     const char *path;
     io_points *points;
-    const io_mask *mask; /* or this, for polygons */
-    bool (*add)(io_points *points, const io_point *point);
+    const io_mask *mask;                 /* or this, for polygons */
     OGRCoordinateTransformationH to_map; /* NULL: none */
     int height, weight, name;            /* numbers of the attributes, or -1 */
     bool has_z;                          /* a place's is not 0 */
@@ -89,7 +88,7 @@ static bool add_place(reader *r, OGRGeometryH g, int k, io_point *p) {
                        OGR_G_GetX(g, k), OGR_G_GetY(g, k));
     if (!(isfinite(p->x) && isfinite(p->y)))
         return io_fail(r->error, "%s: feature %zu: has a coordinate that is no number", r->path, p->number);
-    return r->add(r->points, p) || io_fail(r->error, "%s: out of memory", r->path);
+    return gdal_program()->add(r->points, p) || io_fail(r->error, "%s: out of memory", r->path);
 }
 
 static bool take_geometry(reader *r, OGRGeometryH g, io_point *p) {
@@ -173,25 +172,23 @@ static bool take_features(reader *r, OGRLayerH layer) {
 }
 
 /* Opens the file and gives its layer to take. */
-static bool read_layer(reader *r, bool (*note)(const char *path), bool (*take)(reader *r, OGRLayerH layer)) {
+static bool read_layer(reader *r, bool (*take)(reader *r, OGRLayerH layer)) {
     const io_points_options *o = r->options;
     GDALDatasetH file = gdal_open_name(r->path, GDAL_OF_VECTOR, r->error);
     if (file == NULL) return false;
     r->is_kml = strstr(GDALGetDriverShortName(GDALGetDatasetDriver(file)), "KML") != NULL;
     OGRLayerH layer = choose_layer(r, file);
     const bool good =
-        layer != NULL && gdal_note_files(file, r->path, note, r->error) && find_way(r, layer, o->crs) && take(r, layer);
+        layer != NULL && gdal_note_files(file, r->path, r->error) && find_way(r, layer, o->crs) && take(r, layer);
     OCTDestroyCoordinateTransformation(r->to_map);
     GDALClose(file);
     return good;
 }
 
-bool gdal_points(const char *path, const io_points_options *o, io_points *points,
-                 bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
-                 io_error *error) {
+bool gdal_points(const char *path, const io_points_options *o, io_points *points, io_error *error) {
     GDAL_CALL;
-    reader r = {.path = path, .points = points, .add = add, .options = o, .error = error};
-    return read_layer(&r, note, take_features);
+    reader r = {.path = path, .points = points, .options = o, .error = error};
+    return read_layer(&r, take_features);
 }
 
 /* ---- polygons ------------------------------------------------------------------------------------------------------- */
@@ -264,9 +261,8 @@ static bool take_areas(reader *r, OGRLayerH layer) {
     return good;
 }
 
-bool gdal_areas(const char *path, const io_points_options *o, const io_mask *mask, bool (*note)(const char *path),
-                io_error *error) {
+bool gdal_areas(const char *path, const io_points_options *o, const io_mask *mask, io_error *error) {
     GDAL_CALL;
     reader r = {.path = path, .mask = mask, .options = o, .error = error};
-    return read_layer(&r, note, take_areas);
+    return read_layer(&r, take_areas);
 }

@@ -4,30 +4,34 @@
 #ifndef CELLWALK_IO_GDAL_MODULE_H
 #define CELLWALK_IO_GDAL_MODULE_H
 
+#include "inputs.h"
 #include "map_scale.h"
 #include "points.h"
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 15 };
-#define IO_GDAL_SYMBOL "cellwalk_gdal_module"
+/* Functions of the program that the module calls, which does not hold them. */
+typedef struct io_gdal_program {
+    const io_gdal_host *host; /* NULL where the process is not the program's own */
+    __typeof__(io_inputs_note_path) *note;
+    __typeof__(io_raster_allocate) *allocate;
+    __typeof__(io_points_add) *add;
+} io_gdal_program;
 
 /* ---- functions of the module, which the program reaches through the table below ------------------------------------------ */
 
-/* Reads a band of a file as heights, scale and offset applied, NaN where there are none, into memory by allocate, which is
- * io_raster_allocate; calls note with names of the files that it is made of. On failure raster must be freed, too. */
-bool gdal_raster(const char *path, const io_raster_options *options, bool (*note)(const char *path),
-                 bool (*allocate)(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error),
-                 io_raster *raster, io_error *error);
+/* Before any other. program must stay. */
+void gdal_start(const io_gdal_program *program);
 
-/* Gives places from a file of features to add, and names of the files that it is made of to note. */
-bool gdal_points(const char *path, const io_points_options *options, io_points *points,
-                 bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
-                 io_error *error);
+/* Reads a band of a file as heights, scale and offset applied, NaN where there are none. Files that it is made of are noted. On failure
+ * raster must be freed, too. */
+bool gdal_raster(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
+
+/* Adds the places of a file of features. */
+bool gdal_points(const char *path, const io_points_options *options, io_points *points, io_error *error);
 
 /* Sets the bytes of samples inside the polygons of a file of features. */
-bool gdal_areas(const char *path, const io_points_options *options, const io_mask *mask, bool (*note)(const char *path),
-                io_error *error);
+bool gdal_areas(const char *path, const io_points_options *options, const io_mask *mask, io_error *error);
 
 /* False unless GDAL knows these count creation options, "NAME=VALUE", of GeoTIFFs. */
 bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error);
@@ -49,15 +53,15 @@ bool gdal_scale(const char *crs, double map[3][4], size_t nx, size_t ny, map_sca
                 io_error *error);
 
 #define IO_GDAL_FUNCTIONS(F)                                                                                           \
-    F(raster) F(points) F(areas) F(check_creation) F(create) F(write) F(finish) F(lon_lat) F(scale)
+    F(start) F(raster) F(points) F(areas) F(check_creation) F(create) F(write) F(finish) F(lon_lat) F(scale)
 #define IO_GDAL_FIELD(name) __typeof__(gdal_##name) *name;
 typedef struct io_gdal {
-    int version; /* IO_GDAL_VERSION as the module was built */
     IO_GDAL_FUNCTIONS(IO_GDAL_FIELD)
 } io_gdal;
 
-/* What the module exports under the name IO_GDAL_SYMBOL. host: NULL where the process is not the program's own. */
-typedef const io_gdal *io_gdal_entry(const io_gdal_host *host);
+/* The one symbol that the module exports. Its name ends in the version of this interface. */
+#define IO_GDAL_SYMBOL "cellwalk_gdal_16"
+extern const io_gdal cellwalk_gdal_16;
 
 /* In the program: loads the module at the first call. NULL, with the reason, if it is not there. */
 const io_gdal *io_gdal_load(io_error *error);

@@ -94,7 +94,6 @@ enum { VRT_DEPTH_MAX = 8, VRT_FILES_MAX = 4096 };
 
 typedef struct listing {
     const char *path;
-    bool (*note)(const char *path);
     int left;
     io_error *error;
 } listing;
@@ -105,7 +104,7 @@ static bool note_files(listing *l, GDALDatasetH file, int depth) {
     bool good = true;
     for (char **name = files; good && name != NULL && *name != NULL; name++) {
         good = !gdal_waits(*name) || io_fail(l->error, "%s: cannot read: %s is not a regular file", l->path, *name);
-        good = good && (l->note(*name) || io_fail(l->error, "%s: out of memory", l->path));
+        good = good && (gdal_program()->note(*name) || io_fail(l->error, "%s: out of memory", l->path));
         /* The first one is the dataset itself. */
         if (!good || name == files || depth == VRT_DEPTH_MAX || l->left == 0) continue;
         if (GDALIdentifyDriverEx(*name, GDAL_OF_RASTER, vrt, NULL) == NULL) continue;
@@ -119,8 +118,8 @@ static bool note_files(listing *l, GDALDatasetH file, int depth) {
     return good;
 }
 
-bool gdal_note_files(GDALDatasetH file, const char *path, bool (*note)(const char *path), io_error *error) {
-    listing l = {path, note, VRT_FILES_MAX, error};
+bool gdal_note_files(GDALDatasetH file, const char *path, io_error *error) {
+    listing l = {path, VRT_FILES_MAX, error};
     const bool good = note_files(&l, file, 0);
     CPLErrorReset();
     return good;

@@ -16,13 +16,14 @@ bool gdal_fail_read(io_error *error, const char *path, const char *what);
 GDALDatasetH gdal_open_name(const char *path, unsigned kind, io_error *error);
 /* Whether a name is, or holds the name of, a device, or a pipe or standard stream whose writer GDAL would wait for. */
 bool gdal_waits(const char *name);
-/* Calls note with the name of each file that a dataset is made of, and those that these name in turn, as a VRT does. False, with the
- * error, if one is such a pipe or device, or note says so for lack of memory. Some names may be none of files. */
-bool gdal_note_files(GDALDatasetH file, const char *path, bool (*note)(const char *path), io_error *error);
+/* Notes the name of each file that a dataset is made of, and those that these name in turn, as a VRT does. False, with the error, if
+ * one is such a pipe or device, or for lack of memory. Some names may be none of files. */
+bool gdal_note_files(GDALDatasetH file, const char *path, io_error *error);
 /* Keeps VRTs from opening the process's memory, in a process of the program's own. */
 void gdal_names_close_memory(void);
 
-/* The program, or NULL where GDAL is also another's. */
+const io_gdal_program *gdal_program(void);
+/* NULL where GDAL is also another's. */
 const io_gdal_host *gdal_host(void);
 /* Whether one of GDAL's own threads has ever failed. */
 bool gdal_thread_failed(void);

@@ -234,28 +234,24 @@ static bool read_all(const source *s, const io_raster_options *o, io_raster *ras
     return true;
 }
 
-static bool make_room(bool (*allocate)(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error),
-                      const char *path, io_raster *raster, io_error *error) {
+static bool make_room(const char *path, io_raster *raster, io_error *error) {
     const uint64_t most_samples = (uint64_t)1 << 31; /* a field numbers them by 31 bits */
     io_raster room;
     if ((uint64_t)raster->nx * raster->ny > most_samples)
         return io_fail(error,
                        "%s: %zu x %zu samples are more than a field can hold; gdal_translate -srcwin cuts a part out",
                        path, raster->nx, raster->ny);
-    if (!allocate(path, raster->nx, raster->ny, &room, error)) return false;
+    if (!gdal_program()->allocate(path, raster->nx, raster->ny, &room, error)) return false;
     raster->z = raster->memory = room.memory;
     return true;
 }
 
-bool gdal_raster(const char *path, const io_raster_options *options, bool (*note)(const char *path),
-                 bool (*allocate)(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error),
-                 io_raster *raster, io_error *error) {
+bool gdal_raster(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     GDAL_CALL;
     source s = {.path = path};
     *raster = (io_raster){.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    bool good = open_band(&s, options, raster, error) && gdal_note_files(s.file, path, note, error);
-    if (!options->no_samples)
-        good = good && make_room(allocate, path, raster, error) && read_all(&s, options, raster, error);
+    bool good = open_band(&s, options, raster, error) && gdal_note_files(s.file, path, error);
+    if (!options->no_samples) good = good && make_room(path, raster, error) && read_all(&s, options, raster, error);
     if (s.file) GDALClose(s.file);
     free(s.row);
     free(s.mask);
