@@ -22,12 +22,12 @@
 
 /* ---- classes of rays --------------------------------------------------------------------------------------------- */
 
-static void test_class(int number) {
+static void test_class(const exact_row *row) {
     enum { RAYS = 300, MORE = 4, SIZES = FIELD_SIZES + MORE, FIELDS = SIZES * FIELD_ALL_SHAPES };
     static const field_size more[MORE] = {{3, 9}, {12, 2}, {9, 9}, {17, 13}};
     static test_field shape;
     static cw_ray rays[RAYS];
-    const ray_class kind = (ray_class)number;
+    const ray_class kind = (ray_class)row->number;
     const size_t n = test_share(RAYS, 10);
     exact_counts counts = {0};
     for (size_t k = 0; k < test_rounds() * FIELDS; k++) {
@@ -38,9 +38,8 @@ static void test_class(int number) {
         for (size_t m = 0; m < n; m++) rays[m] = ray_make(kind, &shape, &r);
         exact_judge(&shape, rays, n, shape.shape < FIELD_SHAPES ? EVERY_PATH : WATERTIGHT_PATHS, NULL, &counts);
     }
-    tally_print(ray_class_name(kind), &counts.tally);
     const bool aims = kind != RAY_IN_PLANE && kind != RAY_NOT_FINITE && kind != RAY_LATTICE && kind != RAY_AFAR;
-    check(!aims || counts.tally.passes > counts.tally.rays / 10, "too few rays pass for the test to mean anything");
+    check(!aims || counts.passes > counts.rays / 10, "too few rays pass for the test to mean anything");
 }
 
 /* ---- all small fields -------------------------------------------------------------------------------------------- */
@@ -88,11 +87,12 @@ static const struct {
     size_t one_in;  /* fields, if CELLWALK_TEST_ROUNDS = 1. CELLWALK_TEST_DIVIDE is heeded too */
 } small[] = {{{2, 2}, 4, 1}, {{2, 3}, 4, 421}, {{3, 2}, 4, 421}, {{3, 3}, 3, 1999}};
 
-static void test_small_fields(int which) {
+static void test_small_fields(const exact_row *row) {
     static const float heights[] = {0, 1, 2, NAN};
     static test_field f = {.shape = FIELD_INTEGERS};
-    const field_size size = small[which].size;
-    const size_t base = small[which].heights, every = small[which].one_in * test_divisor(), rounds = test_rounds();
+    const field_size size = small[row->number].size;
+    const size_t base = small[row->number].heights, every = small[row->number].one_in * test_divisor(),
+                 rounds = test_rounds();
     size_t step = rounds < every ? every / rounds : 1;
     while (step % 2 == 0 || step % 3 == 0) step++; /* or all fields taken would share samples, which may be holes */
     exact_counts counts = {0};
@@ -110,58 +110,61 @@ static void test_small_fields(int which) {
         exact_judge(&f, rays, n, all ? WATERTIGHT_PATHS : CELL_ALONE, excused_tie, &counts);
     }
     free(rays);
-    const tally *t = &counts.tally;
-    const size_t *v = t->verdict;
+    const size_t *v = counts.verdict;
     printf("{\"kind\": \"exhaustive\", \"field\": \"%zu x %zu\", \"heights\": \"%s\", \"fields\": %zu, \"all_fields\": "
            "%zu, "
            "\"rays\": %zu, \"hits\": %zu, \"pass\": %zu, \"right\": %zu, \"tie\": %zu, \"rims\": %zu, \"thirds\": %zu, "
            "\"leak\": %zu, \"phantom\": %zu, \"wrong_surface\": %zu, \"same_bits\": %zu}\n",
-           size.nx, size.ny, base == 4 ? "0, 1, 2, hole" : "0, 1, 2", fields, all_fields, t->rays, t->hits, t->passes,
-           v[VERDICT_RIGHT], v[VERDICT_TIE], rims, thirds, v[VERDICT_LEAK], v[VERDICT_PHANTOM],
+           size.nx, size.ny, base == 4 ? "0, 1, 2, hole" : "0, 1, 2", fields, all_fields, counts.rays, counts.hits,
+           counts.passes, v[VERDICT_RIGHT], v[VERDICT_TIE], rims, thirds, v[VERDICT_LEAK], v[VERDICT_PHANTOM],
            v[VERDICT_WRONG_SURFACE], counts.answers);
-    check(t->hits > t->rays / 50 || fields < 8, "too few hits for the test to mean anything");
-    check(counts.answers > t->rays / fields || fields < 8, "no kernel was compared with the one that was judged");
+    check(counts.hits > counts.rays / 50 || fields < 8, "too few hits for the test to mean anything");
+    check(counts.answers > counts.rays / fields || fields < 8, "no kernel was compared with the one that was judged");
 }
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
 static const exact_row table[] = {
-    {"rays random", "through the field's box: the exact answer", test_class, RAY_RANDOM},
-    {"rays through vertices", "a hit: all six triangles see the same sign", test_class, RAY_VERTEX},
-    {"rays through cell borders", "a hit: both triangles see the same sign", test_class, RAY_EDGE},
-    {"rays through diagonals", "a hit: both triangles see the same sign", test_class, RAY_DIAGONAL},
+    {"rays random", "through the field's box: the exact answer", test_class, .number = RAY_RANDOM},
+    {"rays through vertices", "a hit: all six triangles see the same sign", test_class, .number = RAY_VERTEX},
+    {"rays through cell borders", "a hit: both triangles see the same sign", test_class, .number = RAY_EDGE},
+    {"rays through diagonals", "a hit: both triangles see the same sign", test_class, .number = RAY_DIAGONAL},
     {"rays along edges", "a hit in one of the two triangles, the first on the walk; a touch is a hit", test_class,
-     RAY_ALONG},
-    {"rays parallel to an axis", "the exact answer; a crossing that never comes decides nothing", test_class, RAY_AXIS},
+     .number = RAY_ALONG},
+    {"rays parallel to an axis", "the exact answer; a crossing that never comes decides nothing", test_class,
+     .number = RAY_AXIS},
     {"rays straight up and down", "the exact answer, on samples, edges and diagonals too: no crossing is rounded",
-     test_class, RAY_VERTICAL},
+     test_class, .number = RAY_VERTICAL},
     {"rays at 1 to 10^-6 degrees", "a hit within the bound on t, which grows as the angle shrinks", test_class,
-     RAY_GRAZING},
+     .number = RAY_GRAZING},
     {"rays within a triangle's plane", "a hit where the field or the range begins; Möller-Trumbore: a miss", test_class,
-     RAY_IN_PLANE},
+     .number = RAY_IN_PLANE},
     {"rays from up to 1000 cells", "a hit within the bounds, which do not grow with the distance", test_class,
-     RAY_OUTSIDE},
-    {"rays from up to 10^8 cells", "a hit within the bounds, which do not grow with the distance", test_class, RAY_FAR},
-    {"rays from 10^25 times the heights", "a hit within the bounds", test_class, RAY_AFAR},
-    {"rays from 10^-4 to 2 cells", "t to half a unit in the last place, and u and v", test_class, RAY_NEAR},
-    {"rays with components of 2^-70 of others", "the exact answer; all walks find the same", test_class, RAY_TINY},
-    {"rays with zero and denormal components", "up to 2^-128 a component counts as zero", test_class, RAY_ZEROS},
-    {"rays of any length", "beyond 2^126 a component counts as infinite", test_class, RAY_SCALED},
-    {"rays that begin or end on the surface", "closed ranges: a hit at either end", test_class, RAY_RANGE},
-    {"rays with ranges from far behind", "the exact answer", test_class, RAY_BEHIND},
-    {"rays that are moved", "the exact answer, with the range moved along", test_class, RAY_MOVED},
-    {"rays of halves and whole numbers", "the exact answer; ties are exact", test_class, RAY_LATTICE},
+     .number = RAY_OUTSIDE},
+    {"rays from up to 10^8 cells", "a hit within the bounds, which do not grow with the distance", test_class,
+     .number = RAY_FAR},
+    {"rays from 10^25 times the heights", "a hit within the bounds", test_class, .number = RAY_AFAR},
+    {"rays from 10^-4 to 2 cells", "t to half a unit in the last place, and u and v", test_class, .number = RAY_NEAR},
+    {"rays with components of 2^-70 of others", "the exact answer; all walks find the same", test_class,
+     .number = RAY_TINY},
+    {"rays with zero and denormal components", "up to 2^-128 a component counts as zero", test_class,
+     .number = RAY_ZEROS},
+    {"rays of any length", "beyond 2^126 a component counts as infinite", test_class, .number = RAY_SCALED},
+    {"rays that begin or end on the surface", "closed ranges: a hit at either end", test_class, .number = RAY_RANGE},
+    {"rays with ranges from far behind", "the exact answer", test_class, .number = RAY_BEHIND},
+    {"rays that are moved", "the exact answer, with the range moved along", test_class, .number = RAY_MOVED},
+    {"rays of halves and whole numbers", "the exact answer; ties are exact", test_class, .number = RAY_LATTICE},
     {"rays with NaN or infinity", "a miss with a NaN anywhere or an infinite origin or direction", test_class,
-     RAY_NOT_FINITE},
-    {"all 2 x 2", NULL, test_small_fields, 0},
-    {"all 2 x 3", NULL, test_small_fields, 1},
-    {"all 3 x 2", NULL, test_small_fields, 2},
-    {"all 3 x 3", NULL, test_small_fields, 3},
+     .number = RAY_NOT_FINITE},
+    {"all 2 x 2", NULL, test_small_fields, .number = 0},
+    {"all 2 x 3", NULL, test_small_fields, .number = 1},
+    {"all 3 x 2", NULL, test_small_fields, .number = 2},
+    {"all 3 x 3", NULL, test_small_fields, .number = 3},
 };
 
 static void test_row(void **state) {
     const exact_row *row = *state;
-    row->test(row->number);
+    row->test(row);
     exact_print_counts(row);
 }
 

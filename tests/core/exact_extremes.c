@@ -72,27 +72,11 @@ static const exact_case behind_holes[] = {
     {"through holes onto what lies behind", 4, 2, level, {{0, 0.5f, 2.5f}, 0, {1, 0, -1}, INFINITY}, 2.5f, 2.5f},
 };
 
-enum { ZEROS, LENGTHS, EDGES, PLANES, FAR };
-#define TABLE(cases)                                                                                                   \
-    { cases, sizeof cases / sizeof cases[0] }
-static const struct {
-    const exact_case *cases;
-    size_t n;
-} tables[] = {[ZEROS] = TABLE(zeros),
-              [LENGTHS] = TABLE(lengths),
-              [EDGES] = TABLE(edges),
-              [PLANES] = TABLE(planes),
-              [FAR] = TABLE(far)};
-
-static void test_table(int number) {
-    for (size_t k = 0; k < tables[number].n; k++) exact_expect(&tables[number].cases[k]);
-}
-
 /* A t-range is closed: a hit at its very ends counts, one float beyond does not. */
-static void test_ends(int number) {
+static void test_ends(const exact_row *row) {
     const float up = nextafterf(2, 3), below = nextafterf(2, 1);
     const float ends[][2] = {{2, 2}, {2, 9}, {0, 2}, {-1, up}, {below, 5}, {up, 9}, {0, below}, {3, 1}};
-    (void)number;
+    (void)row;
     for (int k = 0; k < 8; k++) {
         const float t = k < 5 ? 2 : INFINITY;
         exact_expect(
@@ -101,10 +85,10 @@ static void test_ends(int number) {
     }
 }
 
-static void test_not_finite(int number) {
+static void test_not_finite(const exact_row *row) {
     static const float odd[] = {NAN, INFINITY, -INFINITY};
     const exact_case good = {"an ordinary ray", 2, 2, one, {{0.25f, 0.5f, 3}, 0, {0.125f, -0.125f, -1}, 100}, 2, 2};
-    (void)number;
+    (void)row;
     exact_expect(&good);
     for (size_t part = 0; part < 8; part++)
         for (int kind = 0; kind < 3; kind++) {
@@ -121,9 +105,9 @@ static void test_not_finite(int number) {
 }
 
 /* A triangle with a hole at a vertex does not exist: rays pass through it, and through nothing else. */
-static void test_holes(int number) {
+static void test_holes(const exact_row *row) {
     static const float kinds[] = {NAN, INFINITY, -INFINITY};
-    for (int kind = number ? 1 : 0; kind < (number ? 3 : 1); kind++) {
+    for (int kind = row->number ? 1 : 0; kind < (row->number ? 3 : 1); kind++) {
         for (int hole = 0; hole < 4; hole++) {
             float z[4] = {1, 1, 1, 1};
             z[hole] = kinds[kind];
@@ -141,6 +125,20 @@ static void test_holes(int number) {
             exact_expect(&c);
         }
     }
+}
+
+/* The same where heights, and rays in z, are larger and smaller. */
+static void test_scaled(const exact_row *row) {
+    for (int exponent = -60; exponent <= 60; exponent += 40)
+        for (int k = 0; k < row->number; k++) {
+            exact_case c = row->cases[k];
+            float z[9];
+            for (size_t m = 0; m < c.nx * c.ny; m++) z[m] = ldexpf(c.z[m], exponent);
+            c.z = z;
+            c.ray.org[2] = ldexpf(c.ray.org[2], exponent);
+            c.ray.dir[2] = ldexpf(c.ray.dir[2], exponent);
+            exact_expect(&c);
+        }
 }
 
 /* ---- many rays --------------------------------------------------------------------------------------------------- */
@@ -164,26 +162,26 @@ static cw_ray ray_to_the_limit(random_state *r) {
     return ray;
 }
 
-static void test_limit_of_t(int number) {
+static void test_limit_of_t(const exact_row *row) {
     random_state r = {20261124};
     exact_counts counts = {0};
     const size_t n = test_share(RAYS, 15);
-    (void)number;
+    (void)row;
     for (int shape = 0; shape < FIELD_SHAPES; shape++)
         for (size_t s = (size_t)shape % 3; s < FIELD_SIZES; s += 3) {
             field_make(&f, (field_shape)shape, field_sizes[s].nx, field_sizes[s].ny, s);
             for (size_t k = 0; k < n; k++) rays[k] = ray_to_the_limit(&r);
             judge(n, &counts);
         }
-    check(counts.tally.hits > 0, "no ray meets a field");
+    check(counts.hits > 0, "no ray meets a field");
 }
 
 /* Up to CW_HEIGHT_MAX; fields with larger samples are refused. */
-static void test_largest_heights(int number) {
+static void test_largest_heights(const exact_row *row) {
     const size_t n = test_share(RAYS, 15);
     random_state r = {100};
     exact_counts counts = {0};
-    (void)number;
+    (void)row;
     for (int kind = 0; kind < 3; kind++) {
         field_make(&f, FIELD_FLAT, 9, 9, 1);
         for (size_t k = 0; k < 81; k++) {
@@ -199,21 +197,28 @@ static void test_largest_heights(int number) {
     }
 }
 
+#define TABLE(list) .cases = list, .number = sizeof list / sizeof list[0]
 const exact_row exact_extremes[] = {
     {"extreme: zero, negative-zero and denormal components",
-     "up to 2^-128 one counts as zero: its reciprocal is no float", test_table, ZEROS},
-    {"extreme: directions of length 2^126 and beyond", "beyond it a component counts as infinite", test_table, LENGTHS},
-    {"extreme: along edges", "a hit in one of the two triangles; a touch is a hit", test_table, EDGES},
+     "up to 2^-128 one counts as zero: its reciprocal is no float", exact_expect_all, TABLE(zeros)},
+    {"extreme: directions of length 2^126 and beyond", "beyond it a component counts as infinite", exact_expect_all,
+     TABLE(lengths)},
+    {"extreme: along edges", "a hit in one of the two triangles; a touch is a hit", exact_expect_all, TABLE(edges)},
+    {"extreme: along edges at heights of 2^-60 to 2^60", "the same", test_scaled, TABLE(edges)},
     {"extreme: in the plane of flat triangles",
-     "a hit where field or range begins; Möller-Trumbore: a miss, its determinant is 0", test_table, PLANES},
-    {"extreme: from the end of the float range", "exact where the numbers are", test_table, FAR},
+     "a hit where field or range begins; Möller-Trumbore: a miss, its determinant is 0", exact_expect_all,
+     TABLE(planes)},
+    {"extreme: from the end of the float range", "exact where the numbers are", exact_expect_all, TABLE(far)},
     {"extreme: ranges that begin or end exactly on the surface", "a hit at either end, a miss one float beyond",
-     test_ends, 0},
-    {"extreme: NaN and infinite rays and ranges", "a miss, but that infinite ranges are ranges", test_not_finite, 0},
-    {"extreme: NaN samples", "holes: rays pass through the triangles at them, and through nothing else", test_holes, 0},
-    {"extreme: infinite samples of both signs", "holes as NaN is, in a copy", test_holes, 1},
+     test_ends, .number = 0},
+    {"extreme: NaN and infinite rays and ranges", "a miss, but that infinite ranges are ranges", test_not_finite,
+     .number = 0},
+    {"extreme: NaN samples", "holes: rays pass through the triangles at them, and through nothing else", test_holes,
+     .number = 0},
+    {"extreme: infinite samples of both signs", "holes as NaN is, in a copy", test_holes, .number = 1},
     {"extreme: t up to half of the largest float and beyond", "the exact answer within that limit; beyond it a miss",
-     test_limit_of_t, 0},
-    {"extreme: samples of 2^100 and -2^100", "the exact answer; larger ones are refused", test_largest_heights, 0},
+     test_limit_of_t, .number = 0},
+    {"extreme: samples of 2^100 and -2^100", "the exact answer; larger ones are refused", test_largest_heights,
+     .number = 0},
 };
 const size_t exact_extremes_count = sizeof exact_extremes / sizeof exact_extremes[0];

@@ -26,6 +26,9 @@ typedef struct ground {
 enum { WIDE = (1 << 20) + 300, WIDE_ROWS = 13, GROUND_SAMPLES = WIDE * WIDE_ROWS };
 enum { RUN_MAX = 4096, KNOWN = 4, KNOWN_RAYS = 51, CORNERS = 24, ALL_SHAPES = (FIELD_SIZES + 1) * FIELD_ALL_SHAPES };
 
+/* A small whole number of either sign. */
+static inline int few(random_state *r, int most) { return (int)random_below(r, 2 * (size_t)most + 1) - most; }
+
 typedef cw_field *field_maker(ground *g, random_state *r);
 typedef size_t ray_maker(const ground *g, cw_ray *rays, size_t most, random_state *r);
 

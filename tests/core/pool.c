@@ -284,34 +284,44 @@ static void each_call_is_watched(void **state) {
 
 /* ---- processes that fork ------------------------------------------------------------------------------------------- */
 
-/* A child has none of its parent's threads, and goes on with the pool alone. */
-static void pools_outlive_a_fork(void **state) {
-    (void)state;
-    enum { ROUNDS = 20 };
-    cw_pool *pool;
+/* A child must end soon, and with status 0. */
+static void check_child(int (*run)(void)) {
+    const pid_t child = fork();
+    if (child == 0) {
+        alarm(LIMIT_SECONDS / 2);
+        _exit(run());
+    }
+    int status = -1;
+    check(child > 0 && waitpid(child, &status, 0) == child && status == 0, "the child ended with %#x",
+          (unsigned)status);
+}
+
+static void skip_under_thread_sanitizer(void) {
 #ifdef __SANITIZE_THREAD__
     skip(); /* its runtime does not go on in the child of a process with threads */
 #endif
-    check_status(cw_pool_create(THREADS, &pool), CW_OK);
-    caller busy = {.pool = pool, .rounds = test_share(40, 4)}, other = {.pool = pool, .number = 1, .rounds = 1};
-    /* Forked while another thread has the helpers, whose state the child inherits. */
+}
+
+static caller other = {.number = 1, .rounds = 1};
+
+static int go_on_with_pool(void) {
+    ask(&other);
+    cw_pool_destroy(other.pool);
+    return other.wrong > 0;
+}
+
+/* A child has none of its parent's threads, and goes on with the pool alone. It is forked while another thread has the helpers, whose state
+ * the child inherits. */
+static void pools_outlive_a_fork(void **state) {
+    (void)state;
+    skip_under_thread_sanitizer();
+    check_status(cw_pool_create(THREADS, &other.pool), CW_OK);
+    caller busy = {.pool = other.pool, .rounds = test_share(40, 4)};
     assert_int_equal(pthread_create(&busy.thread, NULL, ask, &busy), 0);
-    for (int k = 0; k < ROUNDS; k++) {
-        const pid_t child = fork();
-        assert_true(child >= 0);
-        if (child == 0) {
-            alarm(LIMIT_SECONDS / 2);
-            ask(&other);
-            cw_pool_destroy(pool);
-            _exit(other.wrong == 0 ? 0 : 1);
-        }
-        int status;
-        assert_int_equal(waitpid(child, &status, 0), child);
-        check(WIFEXITED(status) && WEXITSTATUS(status) == 0, "the child ended with %#x", (unsigned)status);
-    }
+    for (int k = 0; k < 20; k++) check_child(go_on_with_pool);
     assert_int_equal(pthread_join(busy.thread, NULL), 0);
     check(busy.wrong == 0, "%zu wrong answers in the parent", busy.wrong);
-    cw_pool_destroy(pool);
+    cw_pool_destroy(other.pool);
 }
 
 static sem_t inside, go_on;
@@ -330,59 +340,45 @@ static void *ask_and_stay(void *argument) {
     return cw_closest(field, &run, rays, RAYS, got[0]) == CW_OK ? argument : NULL;
 }
 
-/* Two threads are in a query, which one of them found empty. 0 if both answers and an update after them are right. */
-static int ask_in_two(void) {
-    atomic_bool first[2] = {true, true};
-    pthread_t thread[2];
-    const cw_update same = {.at = {1, 1, 1, 1}};
-    int wrong = 0;
-    for (int k = 0; k < 2; k++) {
+static bool update_has(cw_status status) {
+    return cw_field_update(field, NULL, &(cw_update){.at = {1, 1, 1, 1}}) == status;
+}
+
+/* Some threads are in a query, which one of them found empty. How much of their answers, and of updates meanwhile and after them, is wrong. */
+static int ask_in(int threads, void (*meanwhile)(void)) {
+    pthread_t thread[40];
+    atomic_bool first[40];
+    for (int k = 0; k < threads; k++) {
+        atomic_init(&first[k], true);
         if (pthread_create(&thread[k], NULL, ask_and_stay, &first[k]) != 0) return 1;
         sem_wait(&inside);
     }
-    wrong += cw_field_update(field, NULL, &same) != CW_ERROR_BUSY;
-    for (int k = 0; k < 2; k++) sem_post(&go_on);
-    for (int k = 0; k < 2; k++) {
+    int wrong = !update_has(CW_ERROR_BUSY);
+    if (meanwhile) meanwhile();
+    wrong += !update_has(CW_ERROR_BUSY);
+    for (int k = 0; k < threads; k++) sem_post(&go_on);
+    for (int k = 0; k < threads; k++) {
         void *good = NULL;
         wrong += pthread_join(thread[k], &good) != 0 || good == NULL;
     }
-    return wrong + (cw_field_update(field, NULL, &same) != CW_OK);
+    return wrong + !update_has(CW_OK);
 }
+
+static int go_on_with_field(void) {
+    if (!update_has(CW_OK)) return 100;
+#ifdef TEST_IN_EMULATOR
+    return 0;
+#endif
+    return ask_in(2, NULL);
+}
+static void fork_with_field(void) { check_child(go_on_with_field); }
 
 /* Queries of the parent's other threads do not run in a child, and keep no update out. Those of the child's own do. */
 static void fields_outlive_a_fork(void **state) {
     (void)state;
-    enum { IN = 40 }; /* so many that some share a counter */
-    pthread_t thread[IN];
-    atomic_bool first[IN];
-#ifdef __SANITIZE_THREAD__
-    skip();
-#endif
+    skip_under_thread_sanitizer();
     assert_int_equal(sem_init(&inside, 0, 0) | sem_init(&go_on, 0, 0), 0);
-    for (int k = 0; k < IN; k++) {
-        atomic_init(&first[k], true);
-        assert_int_equal(pthread_create(&thread[k], NULL, ask_and_stay, &first[k]), 0);
-        sem_wait(&inside);
-    }
-    const cw_update same = {.at = {1, 1, 1, 1}};
-    check_status(cw_field_update(field, NULL, &same), CW_ERROR_BUSY);
-    const pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        alarm(LIMIT_SECONDS / 2);
-        if (cw_field_update(field, NULL, &same) != CW_OK) _exit(100);
-#ifdef TEST_IN_EMULATOR
-        _exit(0);
-#endif
-        _exit(ask_in_two());
-    }
-    int status;
-    assert_int_equal(waitpid(child, &status, 0), child);
-    check_status(cw_field_update(field, NULL, &same), CW_ERROR_BUSY);
-    for (int k = 0; k < IN; k++) sem_post(&go_on);
-    for (int k = 0; k < IN; k++) assert_int_equal(pthread_join(thread[k], NULL), 0);
-    check(WIFEXITED(status) && WEXITSTATUS(status) == 0, "the child ended with %#x", (unsigned)status);
-    check_status(cw_field_update(field, NULL, &same), CW_OK);
+    assert_int_equal(ask_in(40, fork_with_field), 0); /* so many that some share a counter */
 }
 
 int main(void) {

@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from library import (ARGUMENT, HEADERS, HIT, KERNEL, NOT_BUILT, NOTHING, OK, POINTERS, STRUCTS, At, Library, Room, random_rays)
+from library import (ARGUMENT, HEADERS, HIT, KERNEL, NOT_BUILT, NOTHING, OK, POINTERS, SOURCE, STRUCTS, At, Library, Room, random_rays)
 from program import takes
 
 FUNCTIONS = dict(re.findall(r"CW_API cw_status (\w+)\((.*?)\);", HEADERS, re.S))
@@ -270,3 +270,10 @@ def test_a_limit_does_not_reach_into_a_query(library):
         assert library.of_each(name, field, given, HIT, run=run).tobytes() == expected.tobytes()
         assert library.number("cw_isa_best") == 1
         library.call("cw_isa_limit", 0)
+
+
+def test_every_word_of_the_vocabulary_is_tried():
+    """Those that vocabulary.h lists have a row for the test vocabulary, and no others."""
+    listed, tried = (set(re.findall(pattern, (SOURCE / file).read_text())) for file, pattern in [
+        ("simd/vocabulary/vocabulary.h", r"\bv[fimd]_\w+"), ("tests/core/vocabulary/words.inc.h", r"WORD\((\w+)")])
+    assert listed == tried and len(tried) > 50

@@ -159,6 +159,108 @@ def test_fields_move(library):
     assert (library.describe(moved)["map"] == np.eye(3, 4)).all()
 
 
+# Columns, rows, gap between rows. The last ones are large enough for two levels above tiles.
+SIZES = [(2, 2, 0), (2, 70, 3), (20, 31, 0), (65, 65, 1), (66, 64, 0), (129, 65, 7), (257, 258, 0), (40, 1500, 0), (700, 530, 13), (1300, 260, 5)]
+KINDS = {
+    "noise": lambda x, y, u: u, "land": lambda x, y, u: 40 * np.sin(x / 60) * np.cos(y / 90) + 0.3 * u,
+    # Single ones and a lake of them; zeros of either sign.
+    "holes": lambda x, y, u: np.where((u < 0.02) | ((x > 100) & (x < 300) & (y > 30)), np.nan, np.where(u < 0.1, -0.0, np.where(u < 0.2, 0.0, u))),
+    "plateaus": lambda x, y, u: x // 50 + y // 70, "high up": lambda x, y, u: 1e6 + np.floor(3 * u)}  # where a float tells little apart
+
+
+def heights(kind, shape, r):
+    y, x = np.indices(shape)
+    return KINDS[kind](x, y, r.random(shape)).astype("f4")
+
+
+def each_kind(size):
+    """Where time is short each size takes one kind of three, another one than the size before."""
+    return [kind for k, kind in enumerate(KINDS) if takes(k + SIZES.index(size), 3)]
+
+
+def some_rectangle(nx, ny, r):
+    """Anywhere: mostly small, on borders, of one sample, or all."""
+    most = 1500 if r.integers(4) == 0 else 40
+    i, j, wide, high = r.integers(nx), r.integers(ny), r.integers(1, most + 1), r.integers(1, most + 1)
+    i, j, wide, high = [(0, 0, nx, ny), (i, j, 1, 1), (i // 64 * 64, j // 64 * 64, 1, high), (0, ny - 1, wide, high), (nx - 1, j, wide, high),
+                        *[(i, j, wide, high)] * 3][r.integers(8)]
+    return int(i), int(j), int(min(wide, nx - i)), int(min(high, ny - j))
+
+
+def inside(library, field):
+    library.call("inside", field)
+    return np.fromfile("inside", "u1").tobytes()
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_updates_give_what_is_made_anew(library, size):
+    """Every byte, by any number of threads; what was lowest is raised and what was highest lowered, and some samples stay."""
+    nx, ny, gap = size
+    r, pools = np.random.default_rng(nx), [int(library.well("cw_pool_create", threads, Room("u8"))[0]) for threads in (1, 2, 3, 7)]
+    for kind in each_kind(size):
+        z = heights(kind, (ny, nx + gap), r)
+        samples = library.keep(z)
+        members = {"nx": nx, "stride": nx + gap, "samples": samples}
+        borrowed, copied = (library.field(z, storage=storage, **members) for storage in (1, 0))
+        for turn in filter(lambda turn: takes(turn, 12), range(12)):
+            at, by = some_rectangle(nx, ny, r), r.uniform(-30, 30)
+            part = np.s_[at[1]:at[1] + at[3], at[0]:at[0] + at[2]]
+            new = heights(list(KINDS)[turn % 5], z.shape, r)[part]
+            z[part] = r.integers(2) * new + np.float32(by)
+            library.call("poke", samples, z)
+            run = library.run(pool=pools[turn % 4])
+            library.well("cw_field_update", borrowed, run, library.struct("cw_update", at=at))
+            place = samples + 4 * (at[1] * (nx + gap) + at[0])
+            library.well("cw_field_update", copied, run, library.struct("cw_update", at=at, samples=place, stride=nx + gap))
+            anew = library.field(z, storage=turn % 2, run=library.run(pool=pools[(turn + 1) % 4]), **members)
+            wanted = inside(library, anew)
+            assert inside(library, borrowed) == wanted and inside(library, copied) == wanted, (kind, at)
+            library.call("cw_field_destroy", library.fields.pop())
+    for pool in pools:
+        library.call("cw_pool_destroy", pool)
+
+
+def of_nodes(take, z, side):
+    """The lowest or highest sample of each node, which has those on its far border too; NaN without one."""
+    for axis in 0, 1:
+        first = np.arange(0, z.shape[axis] - 1, side)
+        last = np.minimum(first + side, z.shape[axis] - 1)
+        z = take(take.reduceat(z.take(range(z.shape[axis] - 1), axis), first, axis), z.take(last, axis))
+    return z
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_bounds_are_those_of_the_samples(library, size):
+    """Bounds that leave out a sample lose hits, which no other test shows of large nodes; bounds that are too wide only cost time. Nodes have
+    exactly their lowest and highest samples, slabs above tiles have all within them: those of smaller nodes are made in float, so samples may be
+    beyond them by rounding, for which rays have a pad."""
+    nx, ny, gap = size
+    r, leaning = np.random.default_rng(5), 0
+    for kind in each_kind(size):
+        z, level, levels = heights(kind, (ny, nx), r), 0, 1
+        field = library.field(z)
+        while level < levels:
+            across, wide, levels = map(int, library.call("bounds", field, level)[0].split())
+            side, ends = 4 << 2 * level, np.fromfile("ends", "f4").reshape(2, -1, across)
+            slabs = np.fromfile("slabs", "f4").reshape(-1, wide, 4).astype(float)
+            high = len(slabs)
+            for found, take in zip(ends, (np.fmin, np.fmax)):
+                assert np.array_equal(found[:high, :wide], of_nodes(take, z, side), equal_nan=True), (kind, level)
+            assert np.isnan(ends[:, high:]).all() and np.isnan(ends[:, :, wide:]).all()
+            around = np.pad(np.where(np.isnan(ends[1]), -np.inf, ends[1]), 1, constant_values=-np.inf)  # the highest of nodes two by two
+            ahead = np.fromfile("ahead", "f4").reshape(len(around) - 1, across + 1)
+            assert (ahead == np.max([around[:-1, :-1], around[:-1, 1:], around[1:, :-1], around[1:, 1:]], 0)).all(), (kind, level)
+            for y, x in np.ndindex(high, wide) if side > 64 else ():
+                low, top, slope_x, slope_y = slabs[y, x]
+                part = z[y * side:(y + 1) * side + 1, x * side:(x + 1) * side + 1]
+                dy, dx = np.indices(part.shape) - side / 2
+                above = part - slope_x * dx - slope_y * dy
+                assert not ((above < low) | (above > top)).any(), (kind, level, x, y)
+                leaning += slope_x != 0
+            level += 1
+    assert leaning > 2 or nx < 700
+
+
 # ---- the caller's floating-point environment -------------------------------------------------------------------------------------
 
 

@@ -189,6 +189,71 @@ static void newcomers_wait(void **state) {
     cw_field_destroy(field);
 }
 
+/* ---- one from within the other ------------------------------------------------------------------------------------- */
+
+typedef struct meeting {
+    cw_field *field;
+    cw_update update;
+    cw_status status[3]; /* of what was tried meanwhile */
+    unsigned tried;
+} meeting;
+
+/* From within a query: it runs. */
+static bool update_meanwhile(void *context, double done) {
+    meeting *m = context;
+    (void)done;
+    m->status[0] = cw_field_update(m->field, NULL, &m->update);
+    m->tried++;
+    return true;
+}
+
+/* From within an update, on whose pool this is. */
+static void ask_meanwhile(void *context, cw_task_fn *task, void *argument, uint32_t count) {
+    meeting *m = context;
+    const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+    const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+    /* Whose grid the update frees. */
+    const cw_run grid = {.expert.kernel = cw_kernel_find("grid3d")};
+    cw_hit hit;
+    uint8_t occluded;
+    double point[3];
+    const cw_status status[] = {
+        cw_closest(m->field, NULL, &ray, 1, &hit),       cw_occluded(m->field, NULL, &ray, 1, &occluded),
+        cw_closest_user(m->field, NULL, &user, 1, &hit), cw_occluded_user(m->field, NULL, &user, 1, &occluded),
+        cw_hit_points(m->field, NULL, &hit, 1, point),   cw_field_update(m->field, NULL, &m->update),
+        cw_closest(m->field, &grid, &ray, 1, &hit),      cw_occluded(m->field, &grid, &ray, 1, &occluded)};
+    for (size_t k = 0; k < sizeof status / sizeof status[0]; k++) check_status(status[k], CW_ERROR_BUSY);
+    m->tried++;
+    for (unsigned k = 0; k < count; k++) task(argument, k);
+}
+
+static void who_comes_second_is_turned_away(void **state) {
+    (void)state;
+    enum { LARGE = 300 }; /* so that the update is shared */
+    static float z[LARGE * LARGE];
+    cw_field *f = field_of(z, LARGE, LARGE);
+    meeting m = {.field = f, .update = {.at = {.nx = LARGE, .ny = LARGE}, .samples = z}};
+    const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+    const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+    const cw_run q = {.watch = update_meanwhile, .watch_context = &m};
+    cw_hit hit;
+    check_status(cw_closest(f, &q, &ray, 1, &hit), CW_OK);
+    check_status(m.status[0], CW_ERROR_BUSY);
+    check_status(cw_closest_user(f, &q, &user, 1, &hit), CW_OK);
+    check_status(m.status[0], CW_ERROR_BUSY);
+    assert_int_equal(m.tried, 2);
+
+    cw_pool *pool;
+    const cw_tasks tasks = {.threads = 2, .run = ask_meanwhile, .context = &m};
+    check_status(cw_pool_create_on(&tasks, &pool), CW_OK);
+    check_status(cw_field_build(f, &(cw_run){.expert.kernel = cw_kernel_find("grid3d")}), CW_OK);
+    check_status(cw_field_update(f, &(cw_run){.pool = pool}, &m.update), CW_OK);
+    check(m.tried > 2, "nothing was tried during the update");
+    check_status(cw_closest(f, NULL, &ray, 1, &hit), CW_OK);
+    cw_pool_destroy(pool);
+    cw_field_destroy(f);
+}
+
 static int set_up(void **state) {
     (void)state;
     for (size_t k = 0; k < SIDE * SIDE; k++) heights[k] = 1;
@@ -199,6 +264,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(newcomers_wait),
         cmocka_unit_test(none_starves),
+        cmocka_unit_test(who_comes_second_is_turned_away),
     };
     return cmocka_run_group_tests(tests, set_up, NULL);
 }

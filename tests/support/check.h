@@ -60,33 +60,27 @@ static inline size_t test_share(size_t n, size_t least) {
     return share > least ? share : least;
 }
 
-/* Of things that are too few for that, and unlike each other, one in so many is taken, but no fewer than one in most. */
-static inline size_t test_step(size_t most) { return test_divisor() < most ? test_divisor() : most; }
-
-/* CELLWALK_TEST_TURN says which these are: a number, which .ci/run takes from the commit, so that in time each is taken. */
+/* CELLWALK_TEST_TURN: a number, which .ci/run takes from the commit, so that in time each case is taken. */
 static inline size_t test_turn(void) {
     const char *text = getenv("CELLWALK_TEST_TURN");
     return text ? strtoul(text, NULL, 10) : 0;
 }
 
-/* Whether case k is one of those. */
-static inline bool test_takes(size_t k, size_t most) { return (k + test_turn()) % test_step(most) == 0; }
+/* Of things that are too few to be divided, and unlike each other, one in so many is taken, but no fewer than one in most: whether case k is. */
+static inline bool test_takes(size_t k, size_t most) {
+    return (k + test_turn()) % (test_divisor() < most ? test_divisor() : most) == 0;
+}
 
 static inline void check_status(cw_status got, cw_status wanted) {
     check(got == wanted, "status \"%s\" instead of \"%s\"", cw_status_message(got), cw_status_message(wanted));
 }
 
-/* A field of a copy of these samples. map: NULL for the identity. */
-static inline cw_field *field_mapped(const float *samples, size_t nx, size_t ny, const double map[3][4]) {
-    cw_field_desc desc = {.samples = samples, .nx = nx, .ny = ny};
+/* A field of a copy of these samples. */
+static inline cw_field *field_of(const float *samples, size_t nx, size_t ny) {
+    const cw_field_desc desc = {.samples = samples, .nx = nx, .ny = ny};
     cw_field *made;
-    for (int k = 0; k < 12 && map; k++) desc.map[k / 4][k % 4] = map[k / 4][k % 4];
     check_status(cw_field_create(&desc, NULL, &made), CW_OK);
     return made;
-}
-
-static inline cw_field *field_of(const float *samples, size_t nx, size_t ny) {
-    return field_mapped(samples, nx, ny, NULL);
 }
 
 #endif

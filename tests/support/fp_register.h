@@ -9,7 +9,7 @@
 #if defined(__SSE__)
 #include <xmmintrin.h>
 
-enum { FP_MODES = 16, FP_FLUSHES = 3 };
+enum { FP_MODES = 16 };
 
 static inline uint64_t fp_register(void) { return _mm_getcsr(); }
 static inline void fp_register_set(uint64_t value) { _mm_setcsr((unsigned)value); }
@@ -23,7 +23,7 @@ static inline uint64_t fp_register_mode(unsigned mode) {
 
 #elif defined(__aarch64__)
 
-enum { FP_MODES = 16, FP_FLUSHES = 3 };
+enum { FP_MODES = 16 };
 
 /* FPCR below, FPSR above. */
 static inline uint64_t fp_register(void) {
@@ -43,7 +43,7 @@ static inline uint64_t fp_register_mode(unsigned mode) {
 
 #else
 
-enum { FP_MODES = 0, FP_FLUSHES = 0 };
+enum { FP_MODES = 0 };
 static inline uint64_t fp_register(void) { return 0; }
 static inline void fp_register_set(uint64_t value) { (void)value; }
 static inline uint64_t fp_register_mode(unsigned mode) { return mode; }

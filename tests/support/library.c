@@ -5,6 +5,7 @@
 
 #include "cellwalk_expert.h"
 #include "fp_register.h"
+#include "pyramid.h"
 #include "words.h"
 
 #include "library_terrain.h"
@@ -86,6 +87,8 @@ static void text(const char *t) { fputs(t ? t : "NULL", answer); }
     X(peek, memcpy(P(1), P(0), v[1].size))                                                                             \
     X(poke, memcpy(P(0), P(1), v[1].size))                                                                             \
     X(text, text(P(0)))                                                                                                \
+    X(inside, inside(P(0)))                                                                                            \
+    X(bounds, bounds(P(0), N(1)))                                                                                      \
     X(setenv, setenv(P(0), P(1), 1))                                                                                   \
     X(set_mode, mode = N(0); number(FP_MODES))
 
@@ -104,6 +107,42 @@ static void drop(void *p) {
     while (kept[k] != p) stop_unless(++k < kept_count, "drop");
     free(p);
     kept[k] = kept[--kept_count];
+}
+
+/* ---- fields inside ------------------------------------------------------------------------------------------------------- */
+
+/* To the file inside: all that is the same in a field made anew. */
+static void inside(const cw_field *f) {
+    const struct cw_pyramid *p = f->pyramid;
+    const struct {
+        const void *bytes;
+        size_t size;
+    } parts[] = {{&f->low, offsetof(cw_field, owned) - offsetof(cw_field, low)}, /* also holes, middle and reach */
+                 {&p->steepest, sizeof p->steepest},
+                 {&p->high, sizeof p->high},
+                 {&p->bytes, sizeof p->bytes},
+                 {p->memory, p->bytes}};
+    FILE *to = fopen("inside", "wb");
+    for (size_t j = 0; to && j < f->ny; j++) fwrite(f->z + j * f->stride, sizeof *f->z, f->nx, to);
+    for (size_t k = 0; to && k < sizeof parts / sizeof *parts; k++) fwrite(parts[k].bytes, 1, parts[k].size, to);
+    stop_unless(to && fclose(to) == 0, "inside");
+}
+
+/* To files: a level's lowest samples of nodes, also of those outside the field, and then the highest; its slabs; the highest ahead. The answer is
+ * how many nodes are in a row, and how many of them in the field, and how many levels there are. */
+static void bounds(const cw_field *f, size_t level) {
+    const struct cw_pyramid *p = f->pyramid;
+    const cw_pyramid_level *l = &p->level[level];
+    const size_t across = 4 * (size_t)l->across, down = 4 * (size_t)l->down, n = across * down;
+    float *ends = malloc(2 * n * sizeof *ends);
+    stop_unless(ends && level < (size_t)p->levels, "bounds");
+    for (size_t k = 0; k < 2 * n; k++) ends[k] = cw_pyramid_node(l, k % n % across, k % n / across)[k < n ? 0 : 16];
+    save("ends", ends, 2 * n * sizeof *ends);
+    save("ahead", l->ahead, (across + 1) * (down + 1) * sizeof *l->ahead);
+    const size_t wide = cw_pyramid_across(f, (int)level), high = cw_pyramid_down(f, (int)level);
+    save("slabs", p->slab + p->first[level + 1], wide * high * sizeof *p->slab);
+    fprintf(answer, "%zu %zu %d", across, wide, p->levels);
+    free(ends);
 }
 
 /* ---- what the library calls ------------------------------------------------------------------------------------------------ */

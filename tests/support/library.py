@@ -147,7 +147,8 @@ class Library(Program):
     def desc(self, z, map=None, **members):
         """A cw_field_desc of samples that stay."""
         z = np.asarray(z, "f4")
-        members = {"samples": self.keep(z), "nx": z.shape[1], "ny": z.shape[0], **members}
+        members = {"samples": 0, "nx": z.shape[1], "ny": z.shape[0], **members}
+        members["samples"] = members["samples"] or self.keep(z)
         return self.struct("cw_field_desc", **members, map=np.zeros((3, 4)) if map is None else map)
 
     def field(self, z, map=None, run=None, **members):

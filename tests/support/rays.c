@@ -285,9 +285,10 @@ static cw_ray moved(const target *at, random_state *r) {
 static cw_ray lattice(const target *at, random_state *r) {
     cw_ray ray = {.tmin = (float)random_below(r, 3) - 1, .tmax = random_below(r, 2) ? INFINITY : 2};
     const size_t range[3] = {2 * at->f->nx + 3, 2 * at->f->ny + 3, 13};
+    const int parts = random_below(r, 2) ? 2 : 4; /* of a cell */
     for (int c = 0; c < 3; c++) {
-        ray.org[c] = 0.5f * (float)((int)random_below(r, range[c]) - (c < 2 ? 3 : 6));
-        ray.dir[c] = 0.5f * (float)((int)random_below(r, 9) - 4);
+        ray.org[c] = (float)((int)random_below(r, range[c] * (size_t)parts / 2)) / (float)parts - (c < 2 ? 1.5f : 3);
+        ray.dir[c] = (float)((int)random_below(r, 4 * (size_t)parts + 1) - 2 * parts) / (float)parts;
     }
     return ray;
 }
@@ -304,34 +305,21 @@ static cw_ray not_finite(const target *at, random_state *r) {
 /* ---- classes ----------------------------------------------------------------------------------------------------------- */
 
 static const struct {
-    const char *name;
     aim at;
     maker *make;
 } classes[RAY_CLASSES] = {
-    [RAY_RANDOM] = {"random", ANYWHERE, through_box},
-    [RAY_VERTEX] = {"vertex", VERTEX, from_above},
-    [RAY_EDGE] = {"edge", BORDER, from_above},
-    [RAY_DIAGONAL] = {"diagonal", DIAGONAL, from_above},
-    [RAY_ALONG] = {"along", ANYWHERE, along},
-    [RAY_AXIS] = {"axis", ANYWHERE, parallel_to_axis},
-    [RAY_VERTICAL] = {"vertical", ANYWHERE, vertical},
-    [RAY_GRAZING] = {"grazing", ANYWHERE, grazing},
-    [RAY_IN_PLANE] = {"in-plane", ANYWHERE, in_plane},
-    [RAY_OUTSIDE] = {"outside", BORDER, from_outside},
-    [RAY_FAR] = {"far", BORDER, from_far},
-    [RAY_AFAR] = {"afar", ANYWHERE, from_afar},
-    [RAY_NEAR] = {"near", ANYWHERE, from_near},
-    [RAY_TINY] = {"tiny", ANYWHERE, with_tiny},
-    [RAY_ZEROS] = {"zeros", BORDER, with_zeros},
-    [RAY_SCALED] = {"scaled", BORDER, scaled},
-    [RAY_RANGE] = {"range", ANYWHERE, with_range},
-    [RAY_BEHIND] = {"behind", ANYWHERE, behind},
-    [RAY_MOVED] = {"moved", ANYWHERE, moved},
-    [RAY_LATTICE] = {"lattice", ANYWHERE, lattice},
-    [RAY_NOT_FINITE] = {"not-finite", BORDER, not_finite},
+    [RAY_RANDOM] = {ANYWHERE, through_box},  [RAY_VERTEX] = {VERTEX, from_above},
+    [RAY_EDGE] = {BORDER, from_above},       [RAY_DIAGONAL] = {DIAGONAL, from_above},
+    [RAY_ALONG] = {ANYWHERE, along},         [RAY_AXIS] = {ANYWHERE, parallel_to_axis},
+    [RAY_VERTICAL] = {ANYWHERE, vertical},   [RAY_GRAZING] = {ANYWHERE, grazing},
+    [RAY_IN_PLANE] = {ANYWHERE, in_plane},   [RAY_OUTSIDE] = {BORDER, from_outside},
+    [RAY_FAR] = {BORDER, from_far},          [RAY_AFAR] = {ANYWHERE, from_afar},
+    [RAY_NEAR] = {ANYWHERE, from_near},      [RAY_TINY] = {ANYWHERE, with_tiny},
+    [RAY_ZEROS] = {BORDER, with_zeros},      [RAY_SCALED] = {BORDER, scaled},
+    [RAY_RANGE] = {ANYWHERE, with_range},    [RAY_BEHIND] = {ANYWHERE, behind},
+    [RAY_MOVED] = {ANYWHERE, moved},         [RAY_LATTICE] = {ANYWHERE, lattice},
+    [RAY_NOT_FINITE] = {BORDER, not_finite},
 };
-
-const char *ray_class_name(ray_class kind) { return classes[kind].name; }
 
 cw_ray ray_make(ray_class kind, const test_field *f, random_state *r) {
     target at = {.f = f};

@@ -25,13 +25,10 @@ typedef enum ray_class {
     RAY_RANGE,    /* the t-range starts or ends on the surface, or within a cell, or is a point */
     RAY_BEHIND, /* from exactly the height of the field's lowest or highest sample, with a range that begins far behind */
     RAY_MOVED, /* from outside, by little more than where rays are moved; a range that begins or ends at the surface */
-    RAY_LATTICE,    /* small integers and halves throughout, so that ties are exact */
+    RAY_LATTICE,    /* small integers, halves and quarters throughout, so that ties are exact */
     RAY_NOT_FINITE, /* NaN or infinity somewhere */
     RAY_CLASSES
 } ray_class;
-
-/* "random", "vertex" … */
-const char *ray_class_name(ray_class kind);
 
 cw_ray ray_make(ray_class kind, const test_field *f, random_state *r);
 
