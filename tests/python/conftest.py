@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests of the Python module share: the program to compare with, and fields on maps of some kinds."""
+import locale
 import os
 
 import numpy as np
@@ -8,6 +9,9 @@ from program import DIVISOR, TURN, run
 
 import cellwalk as cw
 
+if "CELLWALK_TEST_COMMA" in os.environ:  # a locale
+    locale.setlocale(locale.LC_ALL, os.environ["CELLWALK_TEST_COMMA"])
+    assert locale.localeconv()["decimal_point"] == ","
 UTM = 'EPSG:32632'
 
 

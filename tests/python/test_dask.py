@@ -3,6 +3,7 @@
 import itertools
 import os
 import signal
+import weakref
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ rasterio = pytest.importorskip("rasterio")
 xr = pytest.importorskip("xarray")
 pytest.importorskip("distributed")
 dask = pytest.importorskip("dask")
+
+import dask.array as da  # noqa: E402
 
 import cellwalk as cw  # noqa: E402
 import cellwalk.dask as cwd  # noqa: E402
@@ -74,27 +77,22 @@ def test_lowest_suns_of_directions():
     np.testing.assert_array_equal(cwd._lights_of(plan), [[0, 4, 0, 7], [45, 60, 0, 7]])
 
 
+def blocks_of(file, chunks=64):
+    return cwd._Raster(file, chunks, 1, None, None, None, 2e9)
+
+
 def test_shadow_reaches_over_chunks(file):
     """The halo matters: without it some sample differs. And it is no more than the sun's side, and so high as shadows reach."""
-    lit = cw.open(file).shadow(90, 8)
-    alone = cw.Field(cw.open(file, (0, 192, 64, 64)).z, transform=cw.open(file, (0, 192, 64, 64)).map, crs=cw.open(file).crs).shadow(90, 8)
-    assert (alone != lit[192:256, 0:64]).any()
-    r = cwd._Raster(file, 64, 1, None, None, None, 2e9)
-    low, high = r.block_ranges()
-    z = cw.open(file).z
+    whole, chunk = cw.open(file), cw.open(file, (0, 192, 64, 64))
+    assert (cw.Field(chunk.z, transform=chunk.map, crs=whole.crs).shadow(90, 8) != whole.shadow(90, 8)[192:256, 0:64]).any()
+    (low, high), z = blocks_of(file).block_ranges(), whole.z
     assert low.shape == (2, 2) and low[0, 0] == np.nanmin(z[:256, :256]) and high[1, 0] == np.nanmax(z[256:, :256])
-    window = r.reach("sunward", (0, 0, 64, 64), (low, high, np.array([[90.0, 30, 0, 0]])), highest=float(high.max()))
+    window = blocks_of(file).reach("sunward", (0, 0, 64, 64), (low, high, np.array([[90.0, 30, 0, 0]])), highest=float(high.max()))
     assert window.columns < COLUMNS and window.row == 0 and window.rows < 80
-    near = r.reach("beside", (128, 64, 64, 64), max_distance=700.0)
+    near = blocks_of(file).reach("beside", (128, 64, 64, 64), max_distance=700.0)
     assert near.rows * near.columns < ROWS * COLUMNS / 2 and near.row < 128 and near.row + near.rows > 192
-
-
-def test_blocks_of_chunks_that_are_not_aligned(file):
-    """Lowest and highest samples are those of the raster's blocks, however it is cut."""
-    wanted = cwd._Raster(file, -1, 1, None, None, None, 2e9).block_ranges()
-    for chunks in (64, 100, (301, 1), (37, 260)):
-        for got, want in zip(cwd._Raster(file, chunks, 1, None, None, None, 2e9).block_ranges(), wanted):
-            same(got, want)
+    for chunks in (-1, 100, (301, 1), (37, 260)):  # blocks are those of the raster, however it is cut
+        same(blocks_of(file, chunks).block_ranges(), (low, high))
 
 
 def test_a_window_with_too_many_samples_to_count_is_refused():
@@ -122,7 +120,7 @@ def test_blocks_out_of_reach_are_not_looked_at():
 
 
 @pytest.mark.parametrize("placed", [True, False])
-def test_chunked_dataarray(tmp_path, placed):
+def test_chunked_dataarray(placed):
     """With coordinates, and without a map; a GeoTIFF has the place of the result."""
     z = mountains()
     d = xr.DataArray(np.where(np.isnan(z), -9999, z), dims=("y", "x"), attrs={"_FillValue": -9999.0},
@@ -136,8 +134,8 @@ def test_chunked_dataarray(tmp_path, placed):
     same(compute(cwd.viewshed(chunked, x, y, max_distance=near)), field.viewshed(x, y, max_distance=near).values)
     same(compute(cwd.sky_view(chunked, 4)), field.sky_view(4).values)
     if placed:
-        cwd.to_geotiff(cwd.shadow(d.chunk({"x": 256, "y": 256})), tmp_path / "shadow.tif")
-        with rasterio.open(tmp_path / "shadow.tif") as f:
+        cwd.to_geotiff(cwd.shadow(d.chunk({"x": 256, "y": 256})), "shadow.tif")
+        with rasterio.open("shadow.tif") as f:
             assert f.transform == rasterio.Affine(30, 0, 6e5 - 15, 0, -30, 5e6 + 15) and f.nodata == 255
             same(f.read(1), field.shadow().values)
 
@@ -160,41 +158,27 @@ def test_what_is_too_much_is_said_before(file, call, kind, words):
         call(file)
 
 
-@pytest.mark.parametrize("file", ["utm"], indirect=True)
-def test_chunks_are_written_as_they_are_done(file, tmp_path, monkeypatch):
-    """When a chunk is computed, the one before it is in the file."""
-    order, horizon_rows = [], cw.Field._rows
+def test_chunks_are_written_as_they_are_done():
+    """When a chunk is computed, the one before it is in the file, and its memory free."""
+    made, alive = [], []
 
-    def compute_one(self, *arguments):
-        order.append("computed")
-        return horizon_rows(self, *arguments)
-    monkeypatch.setattr(cw.Field, "_rows", compute_one)
-    geotiff = cw._cellwalk.GeoTiff
-
-    class Watched:
-        def __init__(self, *arguments):
-            self.file = geotiff(*arguments)
-            self.commit, self.discard = self.file.commit, self.file.discard
-
-        def write(self, band, *block):
-            if band == 0:
-                order.append("written")
-            self.file.write(band, *block)
-    monkeypatch.setattr(cw._cellwalk, "GeoTiff", Watched)
-    result = cwd.horizon(file, 4, 900, chunks=128)
+    def make(block_id):
+        alive.append(sum(chunk() is not None for chunk in made))
+        chunk = np.full((256, 256), sum(block_id), np.float32)
+        made.append(weakref.ref(chunk))
+        return chunk
     with dask.config.set(scheduler="synchronous"):
-        cwd.to_geotiff(result, tmp_path / "horizon.tif")
-    assert order == ["computed", "written"] * 9
-    same(raster(tmp_path / "horizon.tif"), cw.open(file).horizon(4, 900))
+        cwd.to_geotiff(da.map_blocks(make, chunks=((256,) * 4, (256,) * 4), dtype=np.float32, meta=np.empty((0, 0), np.float32)), "a.tif")
+    assert len(alive) == 16 and max(alive) <= 1
+    same(raster("a.tif"), np.kron(np.add.outer(range(4), range(4)), np.ones((256, 256))).astype(np.float32))
 
 
 @pytest.mark.parametrize("file", ["utm"], indirect=True)
-def test_a_worker_is_killed(file, tmp_path):
+def test_a_worker_is_killed(file):
     """Two processes; one is killed when it has computed a chunk and begun another. The file is the same, and no unfinished one remains."""
     from distributed import Client, LocalCluster, futures_of
-    wanted = cw.open(file).horizon(16)
-    pipe = str(tmp_path / "pipe")
-    os.mkfifo(pipe)
+    here = os.getcwd()
+    os.mkfifo("pipe")
 
     def wait_in_the_second_chunk():
         """Runs in the worker. Both ends of a pipe open together."""
@@ -202,39 +186,35 @@ def test_a_worker_is_killed(file, tmp_path):
 
         def held(self, *arguments):
             if next(calls) == 2:
-                open(pipe).read()
+                open(here + "/pipe").read()
             return rows(self, *arguments)
         cw.Field._rows = held
 
-    with LocalCluster(2, processes=True, threads_per_worker=1, dashboard_address=None, local_directory=str(tmp_path)) as cluster:
-        with Client(cluster) as client:
-            client.wait_for_workers(2)
-            (victim, process), (_, other) = client.run(os.getpid).items()
-            assert process != other
-            client.run(wait_in_the_second_chunk, workers=[victim])
-            result = cwd.horizon(file, 16, chunks=40)
-            assert not isinstance(getattr(result, 'data', result), np.ndarray)
-            kept = client.persist(result)
-            with open(pipe, "w"):
-                assert not all(chunk.done() for chunk in futures_of(kept))
-                os.kill(process, signal.SIGKILL)
-            cwd.to_geotiff(kept, tmp_path / "horizon.tif", file)
-            assert process not in client.run(os.getpid).values()
-    with rasterio.open(tmp_path / "horizon.tif") as f, rasterio.open(file) as source:
-        same(f.read(), wanted)
+    with LocalCluster(2, processes=True, threads_per_worker=1, dashboard_address=None, local_directory=here) as cluster, Client(cluster) as client:
+        client.wait_for_workers(2)
+        (victim, process), (_, other) = client.run(os.getpid).items()
+        client.run(wait_in_the_second_chunk, workers=[victim])
+        kept = client.persist(cwd.horizon(file, 16, chunks=40))
+        with open("pipe", "w"):
+            assert process != other and not all(chunk.done() for chunk in futures_of(kept))
+            os.kill(process, signal.SIGKILL)
+        cwd.to_geotiff(kept, "horizon.tif", file)
+        assert process not in client.run(os.getpid).values()
+    with rasterio.open("horizon.tif") as f, rasterio.open(file) as source:
+        same(f.read(), cw.open(file).horizon(16))
         assert f.transform == source.transform and f.crs == source.crs
-    assert not list(tmp_path.glob("*.part")) and not list(tmp_path.glob(".*.tmp"))
+    assert not [name for name in os.listdir() if name.endswith((".part", ".tmp"))]
 
 
-def test_zarr(tmp_path):
+def test_zarr():
     """Workers write chunks there themselves."""
     pytest.importorskip("zarr")
     d = xr.DataArray(rough(), dims=("y", "x"), coords={"y": 5e6 - 30.0 * np.arange(61), "x": 6e5 + 30.0 * np.arange(83)})
-    np.save(tmp_path / "dem.npy", d.values)
+    np.save("dem.npy", d.values)
     for k, (result, wanted) in enumerate([
             (cwd.shadow(d.chunk({"x": 32, "y": 32}), 100, 12), cw.Field(d).shadow(100, 12)),
-            (cwd.horizon(tmp_path / "dem.npy", 4, 20, chunks=32), cw.open(tmp_path / "dem.npy").horizon(4, 20))]):
-        result.to_dataset().to_zarr(tmp_path / f"{k}.zarr")
-        back = xr.open_zarr(tmp_path / f"{k}.zarr", mask_and_scale=False)[result.name]
+            (cwd.horizon("dem.npy", 4, 20, chunks=32), cw.open("dem.npy").horizon(4, 20))]):
+        result.to_dataset().to_zarr(f"{k}.zarr")
+        back = xr.open_zarr(f"{k}.zarr", mask_and_scale=False)[result.name]
         assert back.chunks == result.chunks and (back.x == result.x).all()
         same(back.values, np.asarray(wanted))

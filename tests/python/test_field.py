@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from hypothesis.extra import numpy as hn
+from program import write
 
 import cellwalk as cw
 from conftest import UTM, geotiff, random_rays, rough, same, same_hits, share
@@ -244,3 +245,17 @@ def test_open_geotiff_window(tmp_path):
     same(dataset.z, whole.z)
     same(dataset.map, whole.map)
     same(dataset.viewshed(600900.0, 5199000.0), whole.viewshed(600900.0, 5199000.0))
+
+
+def test_numbers_have_a_point():
+    """In files, also in a process with a decimal comma, as Qt and GTK set it."""
+    pytest.importorskip("rasterio")  # with GDAL
+    wkt = ('PROJCS["metres and a half",GEOGCS["sphere",DATUM["sphere",SPHEROID["sphere",6371000.5,298.25]],PRIMEM["Greenwich",0],'
+           'UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],UNIT["half",0.5]]')
+    write("z.asc", "ncols 3\nnrows 2\nxllcorner 10.25\nyllcorner -3.5\ncellsize 0.5\nnodata_value -9999.5\n1.5 2.25 -9999.5\n-0.125 1e-1 7\n")
+    write("z.prj", wkt)
+    field = cw.open("z.asc")
+    assert np.array_equal(field.z, np.float32([[1.5, 2.25, np.nan], [-0.125, 0.1, 7]]), equal_nan=True)
+    assert field.bounds == (10.5, -3.25, 11.5, -2.75) and repr(cw.Field(field.z, (1, 0, 0, 0, -1, 0), wkt)).endswith("cells 1 x 1 x 0.5 m, metres and a half>")
+    sun = cw.Field(np.zeros((9, 9)), (30.5, 0, 600000.25, 0, -30.5, 5200000.75), UTM).sun("2024-06-21T08:30:00.5Z")
+    assert sun.azimuth == pytest.approx(107.5, abs=3) and sun.altitude == pytest.approx(45, abs=5)

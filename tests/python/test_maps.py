@@ -8,7 +8,7 @@ import pytest
 from program import commands as every_command, run, write as write_text
 
 import cellwalk as cw
-from conftest import geotiff as write, raster, same, tool
+from conftest import geotiff as write, tool
 
 rasterio = pytest.importorskip("rasterio")
 from rasterio.transform import Affine  # noqa: E402
@@ -169,30 +169,25 @@ def test_what_a_scale_leaves_out_is_said(crs, affine, words):
 FEET = MAPS["feet"]
 
 
-@pytest.fixture
-def commands():
-    """Each subcommand, with each kind of place, on a raster of cells of 100 units with its north-west corner there."""
+COMMANDS = """info\ninfo --json\ntrace rays.npy --user -o o.npy\nshadow --sun 200,30 -o o.tif\nsun --date 2024-06-21 --step 6h -o o.tif
+sun --date 2024-06-21 --step 6h --at 1600500,399500\nhorizon --directions 2 -o o.tif\nhorizon --openness --directions 2 -o o.tif
+horizon --at 1600500,399500\nhorizon --places places.csv\nviewshed --from 1600500,399500 -o o.tif
+viewshed --observers places.csv --table t.csv -o o.tif\nvisibility --directions 2 -o o.tif\nlos 1600420,399580 1600800,399200
+los --pairs pairs.csv\nrender --size 8x8 -o o.png"""
+
+
+def test_each_command_warns_once():
+    """Of each thing that looks wrong, whatever part of the raster it reads, and however often."""
     write_text("places.csv", "x,y\n1600500,399500\n")
     write_text("pairs.csv", "x1,y1,x2,y2\n1600100,399900,1600800,399200\n")
     np.save("rays.npy", np.array([[1600500, 399500, 2e9, 0, 0, 0, -1, 3e9]]))
-    out, here = ("-o", "o.tif"), "1600500,399500"
-    lines = [("info",), ("info", "--json"), ("trace", "rays.npy", "--user", "-o", "o.npy"), ("shadow", "--sun", "200,30", *out),
-             ("sun", "--date", "2024-06-21", "--step", "6h", *out), ("sun", "--date", "2024-06-21", "--step", "6h", "--at", here),
-             ("horizon", "--directions", 2, *out), ("horizon", "--openness", "--directions", 2, *out), ("horizon", "--at", here),
-             ("horizon", "--places", "places.csv"), ("viewshed", "--from", here, *out),
-             ("viewshed", "--observers", "places.csv", "--table", "t.csv", *out), ("visibility", "--directions", 2, *out),
-             ("los", "1600420,399580", "1600800,399200"), ("los", "--pairs", "pairs.csv"), ("render", "--size", "8x8", "-o", "o.png")]
-    assert every_command() == {words[0] for words in lines}
-    return lines
-
-
-def test_each_command_warns_once(commands):
-    """Of each thing that looks wrong, whatever part of the raster it reads, and however often."""
     z = np.full((10, 10), 1e9, "float32")
     z[4, 4] = -9999
-    path = write("dem.tif", z, FEET, Affine(100, 0, 1.6e6, 0, -100, 4e5), units=None)
-    for command, *rest in commands:
-        done = run(command, path, *rest)
+    write("dem.tif", z, FEET, Affine(100, 0, 1.6e6, 0, -100, 4e5), units=None)
+    lines = list(map(str.split, COMMANDS.splitlines()))
+    assert every_command() == {words[0] for words in lines}
+    for command, *rest in lines:
+        done = run(command, "dem.tif", *rest)
         warned = [done.err.count(words) for words in ("heights taken as US survey ft", "1 samples are -9999", "rounded to multiples of 64")]
         assert done.status == 0 and warned == [1, 1, 1], (command, rest, done.err)
         assert done.err.count("warning:") == 3 + (command == "render"), done.err  # nothing of land as high as that is in the picture
@@ -258,14 +253,10 @@ def test_places_written_to_the_millimetre(name):
     z = np.arange(99, dtype="float32").reshape(9, 11)
     z[3:6, 3:6] = np.nan
     z[4, 4] = 50
-    path = write("dem.tif", z, MAPS[name], affine)
-    field = cw.open(path)
+    field = cw.Field(z, affine, MAPS[name])
     for row, column in ((4, 4), (1, 1), (8, 10), (2, 4)):
         x, y = (round(v, digits) for v in affine * (column + 0.5, row + 0.5))
-        seen = field.viewshed(x, y, 300)
-        assert seen[row, column] == 1
-        tool("viewshed", path, "--from", f"{x},{y},300", "-o", "seen.tif")
-        same(raster("seen.tif"), seen)
+        assert field.viewshed(x, y, 300)[row, column] == 1
     with pytest.raises(ValueError, match="no ground"):
         field.viewshed(*(affine * (4.5 + 0.02, 4.5 - 0.02)), 2)  # 0.2 m or 0.07 m off: in a hole
 

@@ -266,24 +266,14 @@ def test_needed_heights_are_absolute_too(ground):
             assert f.line_of_sight((x, y, 2), to, absolute=(False, True)).visible == visible
 
 
-def test_suns_of_a_list_are_those_of_shadows(ground):
-    """Their sum by shadows and hillshades, and at one place by the raster, of which that is a sample. Below the level nothing shines."""
-    f, z = ground.field, ground.field.z
-    total, leaning = np.where(np.isnan(z), np.nan, 0.0), np.where(np.isnan(z), np.nan, 0.0)
-    for azimuth, altitude, weight in SUNS:
-        if altitude > 0:
-            total += weight * (f.shadow(azimuth, altitude) == 1)
-            leaning += weight * f.shadow(azimuth, altitude, hillshade=True)
-    np.testing.assert_allclose(f.insolation(suns=SUNS), total, rtol=1e-6)
-    light = f.insolation(suns=SUNS, irradiance=True)
-    # A hillshade takes the map's scale in the middle of a block of rows.
-    np.testing.assert_allclose(light, leaning, rtol=0, atol=3e-5 * 15.75)
-    same(f.insolation(suns=np.array(SUNS)[:, :2]), f.insolation(suns=[(a, h, 1) for a, h, _ in SUNS]))
-    i, j = 20, 30
-    x, y = f.map[:2] @ (i, j, 0, 1)
-    d = f.sun_days(x, y, suns=SUNS, tilt="ground")
-    assert d.hours[0] == pytest.approx(total[j, i]) and d.direct[0] == pytest.approx(light[j, i], rel=1e-4)
+def test_suns_at_one_place_are_those_of_the_raster(ground):
+    """Of which that is a sample. Below the level nothing shines."""
+    f, (i, j) = ground.field, (20, 30)
+    d, light = f.sun_days(*f.map[:2] @ (i, j, 0, 1), suns=SUNS, tilt="ground"), f.insolation(suns=SUNS, irradiance=True)
+    total = sum(weight * (f.shadow(azimuth, altitude)[j, i] == 1) for azimuth, altitude, weight in SUNS if altitude > 0)
+    assert d.hours[0] == total == f.insolation(suns=SUNS)[j, i] and d.direct[0] == pytest.approx(light[j, i], rel=1e-4)
     assert d.free_hours[0] == sum(weight for _, altitude, weight in SUNS if altitude > 0) and np.isnat(d.day[0])
+    same(f.insolation(suns=np.array(SUNS)[:, :2]), f.insolation(suns=[(a, h, 1) for a, h, _ in SUNS]))
 
 
 def test_months_of_sun():

@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from program import run, well, write
+from program import feature, geojson, run, well, write
 
 import cellwalk as cw
 from conftest import Places, geotiff, random_rays, raster, rough, same, tool
@@ -132,24 +132,19 @@ def test_least_terrain(shape):
 # ---- observers of files --------------------------------------------------------------------------------------------------------
 
 
-def point(place, **properties):
-    return json.dumps({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}},
-                       "features": [{"type": "Feature", "properties": properties, "geometry": {"type": "Point", "coordinates": place}}]})
-
-
 KML = ('<kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark><name>Mast</name><ExtendedData><Data name="height"><value>30</value>'
        '</Data></ExtendedData><Point><coordinates>10.32,47.0</coordinates></Point></Placemark></Document></kml>')
 HERE = [600000.1, 5206000.3]
 
 
-@pytest.mark.parametrize("name, text, height, warned", [
-    ("a.geojson", point(HERE, OFFSETA=30.0, name="Mast"), 30, None),
-    ("a.geojson", point(HERE + [1500.0], height=30.0, OFFSETA=1.0, AZIMUTH1=20, RADIUS2=None), 30, "'OFFSETA', 'AZIMUTH1', z of places; attributes"),
-    ("a.geojson", point(HERE + [0.0]), 2, None),
-    ("a.kml", KML, 30, None)])
-def test_attributes_of_observers(hills, name, text, height, warned):
+@pytest.mark.parametrize("name, place, attributes, height, warned", [
+    ("a.geojson", HERE, {"OFFSETA": 30.0, "name": "Mast"}, 30, None),
+    ("a.geojson", HERE + [1500.0], {"height": 30.0, "OFFSETA": 1.0, "AZIMUTH1": 20, "RADIUS2": None}, 30, "'OFFSETA', 'AZIMUTH1', z of places; attributes"),
+    ("a.geojson", HERE + [0.0], {}, 2, None), ("a.kml", HERE, {}, 30, None)])
+def test_attributes_of_observers(hills, name, place, attributes, height, warned):
     """What is known counts; what is passed over is said."""
-    write(name, text)
+    geojson("a.geojson", feature("Point", place, **attributes))
+    write("a.kml", KML)
     made = run("viewshed", hills, "--observers", name, "-o", "o.tif")
     assert made.status == 0 and ((warned or "passed over") in made.err) == (warned is not None), made.err
     with pytest.importorskip("rasterio").open("o.tif") as file:
@@ -198,7 +193,8 @@ def test_clearance_is_the_least_along_the_profile(ground):
         p, length = f.profile(a, b, **options), answers.distance[k]
         s = np.unique(np.r_[p.distance, np.linspace(0, length, 20001)[1:-1]])
         gap = np.interp(s, p.distance, p.line - p.ground)
-        radius = np.sqrt(0.299792458 / 0.868 * np.hypot(length, p.line[-1] - p.line[0]) * (s / length) * (1 - s / length))
+        radius, exact = (np.sqrt(0.299792458 / 0.868 * np.hypot(length, p.line[-1] - p.line[0]) * (at / length) * (1 - at / length)) for at in (s, p.distance))
+        np.testing.assert_allclose(p.fresnel_radius, exact, rtol=1e-6, atol=1e-4)
         inside = (radius > 0.01) & np.isfinite(gap)
         if inside.any():
             least = (gap[inside] / radius[inside]).min()

@@ -73,12 +73,6 @@ class Done:
         assert self.status != SANITIZER and "Sanitizer" not in text and "runtime error" not in text, text
 
 
-def without_rights():
-    """Root may write anywhere unless executing a program gives it no rights. Whether that could be had."""
-    SECUREBITS, NOROOT = 28, 1
-    return os.geteuid() != 0 or ctypes.CDLL(None).prctl(SECUREBITS, NOROOT, 0, 0, 0) == 0
-
-
 def without_filters():
     """The system call seccomp fails with EINVAL from now on, as in some emulators."""
     class Instruction(ctypes.Structure):
@@ -91,25 +85,22 @@ def without_filters():
     rules = (Instruction * 4)((LOAD, 0, 0, 0), (EQUAL, 0, 1, number), (RETURN, 0, 0, ERROR | errno.EINVAL), (RETURN, 0, 0, ALLOW))
     prctl = ctypes.CDLL(None).prctl
     NO_NEW_PRIVS, SECCOMP, BY_FILTER = 38, 22, 2
-    return prctl(NO_NEW_PRIVS, 1, 0, 0, 0) == 0 and prctl(SECCOMP, BY_FILTER, ctypes.byref(Filter(4, rules))) == 0
+    assert prctl(NO_NEW_PRIVS, 1, 0, 0, 0) == 0 and prctl(SECCOMP, BY_FILTER, ctypes.byref(Filter(4, rules))) == 0
 
 
-def start(*words, env=(), isa=None, streams=None, file_size=0, memory=0, powerless=False, no_filters=False, seconds=0):
+def start(*words, env=(), isa=None, file_size=0, memory=0, powerless=False, no_filters=False, seconds=0):
     """env: variables beside the tests' own; isa: CELLWALK_ISA; then bytes of a file and of memory, no rights of root, no filters of
     calls, seconds after which end() ends it. Python copies this process's page tables for a preexec_fn, which takes several times
     as long as the program: only what no command does is done by one."""
-    environment = {"ASAN_OPTIONS": SANITIZERS, **os.environ, **dict(env)}
-    if isa is not None:
-        environment["CELLWALK_ISA"] = isa
+    environment = {"ASAN_OPTIONS": SANITIZERS, **os.environ, **dict(env), **({} if isa is None else {"CELLWALK_ISA": isa})}
     limits = [f"--{name}={limit}" for name, limit in (("fsize", file_size), ("as", memory)) if limit]
-
-    def apply():
-        assert not powerless or without_rights()
-        assert not no_filters or without_filters()
-    out, err = streams or (tempfile.TemporaryFile(), tempfile.TemporaryFile())
-    process = subprocess.Popen([*(["prlimit", *limits] if limits else []), PROGRAM, *map(str, words)], stdin=subprocess.DEVNULL, stdout=out,
-                               stderr=err, env=environment, preexec_fn=apply if powerless or no_filters else None)
-    process.streams, process.seconds = (out, err), seconds
+    before = ["prlimit", *limits] if limits else []
+    if powerless and os.geteuid() == 0:  # who may write anywhere
+        before += ["setpriv", "--inh-caps=-all", "--bounding-set=-all"]
+    streams = tempfile.TemporaryFile(), tempfile.TemporaryFile()
+    process = subprocess.Popen([*before, PROGRAM, *map(str, words)], stdin=subprocess.DEVNULL, stdout=streams[0], stderr=streams[1], env=environment,
+                               preexec_fn=without_filters if no_filters else None)
+    process.streams, process.seconds = streams, seconds
     return process
 
 
@@ -183,38 +174,29 @@ def open_files(process):
     return [name[len(here):] for name in names if name.startswith(here)]
 
 
-def wait_for_output(process):
-    wait_until(process, lambda: any(".tmp" in name for name in open_files(process)))
+def is_read(process, name):
+    """Whether it has read as many bytes as the file has, of whatever files."""
+    try:
+        read = re.search(r"rchar: (\d+)", pathlib.Path(f"/proc/{process.pid}/io").read_text())
+    except OSError:
+        return False
+    return int(read[1]) >= os.stat(name).st_size
 
 
-def wait_for_input(process, name):
-    wait_until(process, lambda: name in open_files(process))
-
-
-def wait_until_read(process, name):
-    """Until it has read as many bytes as the file has, of whatever files."""
-    size = os.stat(name).st_size
-
-    def is_read():
-        try:
-            return int(re.search(r"rchar: (\d+)", pathlib.Path(f"/proc/{process.pid}/io").read_text()).group(1)) >= size
-        except OSError:
-            return False
-    wait_until(process, is_read)
-
-
-def interrupted(*words, input=None, writes=True, signals=(signal.SIGINT,), **setting):
-    """A long run is told to stop as soon as it has read an input and opened its output. It does, and leaves nothing."""
+def interrupted(*words, input=None, writes=True, signals=(signal.SIGINT,)):
+    """A long run is told to stop as soon as it has read an input and opened its output. It does, and leaves nothing but, if it is killed,
+    hidden files."""
     before = entries()
-    process = start(*words, **setting)
-    if input:
-        wait_until_read(process, input)
-    if writes:
-        wait_for_output(process)
+    process = start(*words)
+    wait_until(process, lambda: not input or is_read(process, input))
+    wait_until(process, lambda: not writes or any(".tmp" in name for name in open_files(process)))
     for number in signals:
         process.send_signal(number)
     done = end(process)
     assert done.status - 128 in signals, (done.status, done.err)
+    for name in set(entries()) - set(before):
+        assert signal.SIGKILL in signals and name.startswith(".") and ".tmp" in name, name
+        os.unlink(name)
     assert entries() == before
     return done
 
@@ -224,14 +206,6 @@ def interrupted(*words, input=None, writes=True, signals=(signal.SIGINT,), **set
 
 def entries():
     return sorted(os.listdir())
-
-
-def only_hidden(before):
-    """Beside the entries before there are hidden temporary files alone: for programs that were killed. They go."""
-    assert set(before) <= set(entries())
-    for name in set(entries()) - set(before):
-        assert name.startswith(".") and ".tmp" in name, name
-        os.unlink(name)
 
 
 def write(name, text):
@@ -288,6 +262,15 @@ def vrt(name, source, shape, place, sides=None, at=0):
                 f'<NoDataValue>-9999</NoDataValue><ComplexSource><SourceFilename relativeToVRT="1">{source}</SourceFilename>'
                 f'<SrcRect xOff="0" yOff="0" xSize="{nx}" ySize="{ny}"/><DstRect xOff="{at}" yOff="{at}" xSize="{nx}" ySize="{ny}"/>'
                 '<NODATA>-9999</NODATA></ComplexSource></VRTRasterBand></VRTDataset>')
+
+
+def feature(kind, places, **properties):
+    return {"type": "Feature", "properties": properties, "geometry": {"type": kind, "coordinates": places}}
+
+
+def geojson(name, *features, crs="EPSG::32632"):
+    write(name, json.dumps({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": f"urn:ogc:def:crs:{crs}"}},
+                            "features": features}))
 
 
 def on_map(crs, *transform):

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from program import PROGRAM, SCENE, end, entries, interrupted, needs, only_hidden, rays, rough, start, wait_for_input, wait_for_output, write
+from program import PROGRAM, SCENE, end, entries, interrupted, needs, open_files, rays, rough, start, wait_until, write
 
 TRACE = "trace", "large.npy", "many.npy", "--kernel", "brute", "--threads", 2, "-o", "o.npy"
 SKY, SCENES = ("horizon", "rough.npy", "--directions", 3600), ("render", "scene.pbrt", "--samples", 65536)
@@ -32,13 +32,8 @@ def test_results_do_not_begin_to_exist(words, needed, input):
     """Ctrl-C leaves nothing, and a kill no more than hidden files."""
     if needed:
         needs(needed)
-    before = entries()
-    interrupted(*words, input=input)
-    process = start(*words)
-    wait_for_output(process)
-    process.kill()
-    assert end(process).status == 128 + signal.SIGKILL
-    only_hidden(before)
+    for number in signal.SIGINT, signal.SIGKILL:
+        interrupted(*words, input=input, signals=[number])
 
 
 def test_before_anything_is_written():
@@ -78,6 +73,6 @@ def test_while_reading():
     """Here four million numbers of many digits."""
     write("text.asc", "ncols 2000\nnrows 2000\ncellsize 1\n" + "1.2345678901234567890123456789 " * 4000000)
     process = start("info", "text.asc")
-    wait_for_input(process, "text.asc")
+    wait_until(process, lambda: "text.asc" in open_files(process))
     process.terminate()
     assert end(process).status == 128 + signal.SIGTERM

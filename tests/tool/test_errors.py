@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from program import SCENE, commands, info, library, needs_room, npy, rays, read, refused, run, write
 
-# The status, a part of the message, and the words. Of {a;b} each is tried.
+# The status, a part of the message, ~ for a new line, and the words. Of {a;b} each is tried.
 LINES = r"""
 2 | did you mean trace? | tarce
 2 | unknown option '--verbose' | --verbose
@@ -18,8 +18,7 @@ LINES = r"""
 2 | 'hits.npy' is one argument too many | trace wall.npy rays.npy hits.npy
 2 | --output needs a value | trace wall.npy rays.npy -o
 2 | --output needs a value | trace wall.npy rays.npy -o ''
-2 | unknown option -x | trace wall.npy rays.npy -x
-2 | Try 'cellwalk trace --help'. | trace wall.npy rays.npy -x
+2 | unknown option -x~Try 'cellwalk trace --help'. | trace wall.npy rays.npy -x
 2 | --kernal; did you mean --kernel? | trace wall.npy rays.npy --kernal=cell
 2 | unknown option --any | trace wall.npy rays.npy --any
 2 | --json takes no value | trace wall.npy rays.npy --json=yes
@@ -33,12 +32,22 @@ LINES = r"""
 2 | brute does not have the leaf test watertight | trace wall.npy rays.npy --json --kernel brute --leaf watertight
 2 | 'b' is one argument too many | info a b
 1 | --json: cannot read | info -- --json
+1 | f8.npy: holds elements of type '<f8', not '<f4' | trace wall.npy f8.npy -o no.npy
+1 | seven.npy: shape (2, 7), but rays are (N, 8) | trace wall.npy seven.npy -o no.npy
+1 | flat.npy: shape (16,), but rays are (N, 8) | trace wall.npy flat.npy -o no.npy
+1 | huge.npy: truncated: shape (1000000000, 8) | trace wall.npy huge.npy -o no.npy
+1 | .: cannot read: Is a directory | trace wall.npy . -o no.npy
+1 | absent.npy: cannot read: No such file | trace wall.npy absent.npy -o no.npy
+1 | row.npy: 16 x 1 samples: | trace row.npy rays.npy -o no.npy
+1 | cube.npy: shape (2, 2, 4), but a raster is (rows, columns) | trace cube.npy rays.npy -o no.npy
+1 | cellwalk trace: s.pbrt: | trace s.pbrt rays.npy -o no.npy
+1 | cellwalk trace: field: | trace field rays.npy -o no.npy
 2 | --distance goes with none of | horizon wall.npy --distance --svf -o no.npy
-2 | do not go together | horizon wall.npy --at 1,2 --places pairs.csv
+2 | do not go together | {horizon wall.npy --at 1,2 --places pairs.csv;viewshed wall.npy --observers t.csv --from 1,2;los wall.npy --pairs pairs.csv 1,2 3,4}
 2 | go with none of --svf | horizon wall.npy --at 1,2 {--svf;--window 0,0,9,9}
 1 | no room for 32 bands | horizon wall.npy -o no.png
 1 | no.tif: is a raster's name | horizon wall.npy --at 5,5 -o no.tif
-2 | --max-distance takes metres above 0 | horizon wall.npy --max-distance 0 -o no.npy
+2 | takes metres above 0, not 0 | {horizon wall.npy --max-distance;visibility wall.npy --max-distance;viewshed wall.npy --from 1,2 --max-distance;viewshed wall.npy --from 1,2 --every} 0 -o no.npy
 2 | --cog goes with -o FILE.tif | shadow wall.npy --sun 0,9 --cog -o no.npy
 2 | --co goes with -o FILE.tif | shadow wall.npy --sun 0,9 --co A=B -o no.npy
 1 | so the sun's place at a time is not known; give --sun | {shadow;render} wall.npy --time 2024-06-21T12:00:00Z -o no.{npy;exr}
@@ -54,12 +63,9 @@ LINES = r"""
 2 | --memory takes a number of bytes | shadow wall.npy --sun 0,30 --memory 2X -o no.npy
 1 | 60 x 50 samples matter at once, which need --memory 1M; there is 0.03M | horizon wall.npy --memory 0.03M -o no.npy
 2 | --from X,Y is missing | viewshed wall.npy -o no.npy
-1 | is too far away | viewshed wall.npy --from 3,1e308,=9 -o no.npy
+1 | is too far away | {viewshed wall.npy -o no.npy --from 3,1e308,=9;los wall.npy 1e308,1e308,=9 10,10,2;los wall.npy 10,10,2 1e8,3,=9}
 2 | unknown option --height; the height of a place is its third number: X,Y,H | viewshed wall.npy --from 1,2 --height 3 -o no.npy
-2 | takes metres above 0, not 0 | viewshed wall.npy --from 1,2 {--max-distance;--every} 0 -o no.npy
-2 | --max-distance takes metres above 0 | visibility wall.npy --max-distance 0 -o no.npy
 1 | no sample is within 5 m of any observer | viewshed wall.npy --cellsize 10 --from 9000,0,=9 --max-distance 5 -o no.npy
-2 | do not go together | viewshed wall.npy --observers t.csv --from 1,2 -o no.npy
 2 | --layer goes with --observers | viewshed wall.npy --layer a --from 1,2 -o no.npy
 2 | takes two places or more | viewshed wall.npy --from 1,2 --every 5 -o no.npy
 2 | --every takes metres above 0, not -5 | viewshed wall.npy --observers t.csv --every -5 -o no.npy
@@ -81,14 +87,9 @@ LINES = r"""
 2 | --min-distance 9 is more than | viewshed wall.npy --from 1,2 --min-distance 9 --max-distance=5 -o no.npy
 1 | t.npy: is also an input | viewshed wall.npy --cellsize 10 --observers t.csv -o t.npy
 1 | no room for 2 bands | viewshed wall.npy --cellsize 10 --observers t.csv --bands -o no.png
-2 | not '5' | los wall.npy 5 10,10,+2
-2 | not '1,2,=' | los wall.npy 1,2,= 10,10,2
-2 | not '1,=2' | los wall.npy 1,=2 10,10,2
-1 | is too far away | los wall.npy {1e308,1e308,=9 10,10,2;10,10,2 1e8,3,=9}
+2 | a place is X,Y or X,Y,H with H metres above ground, or X,Y,=Z with an absolute height, not | los wall.npy {5;1,2,=;1,=2} 10,10,2
 1 | pairs.csv | los wall.npy --pairs pairs.csv -o ./pairs.csv
-2 | do not go together | los wall.npy --pairs pairs.csv 1,2 3,4
-2 | FROM is missing, or --pairs FILE | los wall.npy
-2 | TO is missing, or --pairs FILE | los wall.npy 1,2
+2 | is missing, or --pairs FILE | los wall.npy{; 1,2}
 2 | -o goes with --pairs | los wall.npy 1,2 3,4 -o no.csv
 2 | --json goes with two places | los wall.npy --pairs pairs.csv --json
 2 | --profile needs a file that nothing else is written to | los wall.npy --pairs pairs.csv --profile -
@@ -114,16 +115,12 @@ LINES = r"""
 2 | longer --step | sun wall.npy --date 2000-06-21 --to 2024-06-20 --step 30s -o no.npy
 2 | a scene or a raster is missing | render -o no.exr
 2 | is for rasters | render s.pbrt {--sun 0,30;--nodata 0;--sky;--water 3;--curvature 1} -o no.exr
-2 | not 180 | render wall.npy --fov 180 -o no.exr
-2 | not '5' | render wall.npy --from 5 -o no.exr
-1 | -5,3: lies outside | render wall.npy --from -5,3 -o no.exr
+2 | not | render wall.npy {--fov 180;--from 5;--haze 0;--curvature -1 --from 20,20} -o no.exr
 1 | the same place | render wall.npy --from 5,3,9 --to 5,3,9 -o no.exr
-2 | --haze takes a visibility in metres, above 0, not 0 | render wall.npy --haze 0 -o no.exr
 2 | either --sun or --time | render wall.npy --time 2024-06-21T12:00:00Z --sun 0,9 -o no.exr
-2 | --curvature takes a number from 0 on, not -1 | render wall.npy --curvature -1 --from 20,20 -o no.exr
 2 | give the eye's place by --from | render wall.npy --curvature 1 -o no.exr
 2 | --water is level and does not go with --curvature | render wall.npy --curvature 1 --from 20,20 --water 3 -o no.exr
-1 | lies outside | render wall.npy --curvature 1 --from -900,0 -o no.exr
+1 | lies outside | render wall.npy {;--curvature 1} --from -900,0 -o no.exr
 1 | missing.pbrt: cannot read: No such file | render missing.pbrt -o no.exr
 1 | s.pbrt:1: WorldBegin: no Camera | render s.pbrt -o no.exr
 2 | -o IMAGE is missing | render scene.pbrt
@@ -139,7 +136,7 @@ LINES = r"""
 
 def cases():
     for line in LINES.strip().splitlines():
-        status, why, words = (part.strip() for part in line.split("|"))
+        status, why, words = (part.strip().replace("~", "\n") for part in line.split("|"))
         text = re.split(r"\{(.*?)\}", words)
         choices = [part.split(";") for part in text[1::2]]
         for k in range(len(choices[0]) if choices else 1):  # alternatives in two places belong together
@@ -153,6 +150,9 @@ def inputs(folder):
     z[20], z[45, 3] = 40, np.nan
     np.save("wall.npy", z)
     rays("rays.npy", (2.25, 1.5, 1))
+    npy("huge.npy", "<f4", "(1000000000, 8)", bytes(64))
+    for name, shape in ("seven", (2, 7)), ("flat", 16), ("row", (1, 16)), ("cube", (2, 2, 4)), ("f8", (2, 8)):
+        np.save(name, np.zeros(shape, name if name == "f8" else "f4"))
     for name, text in {"s.pbrt": "WorldBegin", "scene.pbrt": SCENE, "suns.csv": "azimuth,altitude\n1,90\n2,91\n", "head.csv": "azimuth,altitude,weight\n",
                        "pairs.csv": "x1,y1,x2,y2\n1,2,3,4\n", "t.csv": "x,y\n100,100\n200,100\n"}.items():
         write(name, text)
@@ -206,30 +206,6 @@ def test_tables(command, text, why):
     """What is in the cells; ../io/test_files.py has what tables are made of."""
     write("bad.csv", text)
     refused(1, f"bad.csv{why}" if why.startswith(":") else f"bad.csv: {why}", *command, "bad.csv")
-
-
-SEA = 'Shape "heightfield" "integer nu" [2] "integer nv" [2] "float Pz" [0 1 2 3]\n'
-
-
-@pytest.mark.parametrize("name, made, part", [
-    ("f8.npy", ("<f8", "(2, 8)", 128), "f8.npy: holds elements of type '<f8', not '<f4'"),
-    ("seven.npy", ("<f4", "(2, 7)", 56), "seven.npy: shape (2, 7), but rays are (N, 8)"),
-    ("flat.npy", ("<f4", "(16,)", 64), "flat.npy: shape (16,), but rays are (N, 8)"),
-    ("huge.npy", ("<f4", "(1000000000, 8)", 64), "huge.npy: truncated: shape (1000000000, 8)"),
-    (".", None, ".: cannot read: Is a directory"),
-    ("row.npy", ("<f4", "(1, 16)", 64), "row.npy: 16 x 1 samples: "),
-    ("cube.npy", ("<f4", "(2, 2, 4)", 64), "cube.npy: shape (2, 2, 4), but a raster is (rows, columns)"),
-    ("sea.pbrt", SEA, "cellwalk trace: sea.pbrt: "),
-    ("absent.npy", None, "absent.npy: cannot read: No such file"),
-    ("field", None, "cellwalk trace: field: ")])
-def test_rays_and_fields(name, made, part):
-    """What is wrong with an array of rays, or with a field."""
-    if isinstance(made, str):
-        write(name, made)
-    elif made:
-        npy(name, *made[:2], bytes(made[2]))
-    is_field = "field" in part or "samples" in part or "raster" in part or "pbrt" in part
-    assert refused(1, part, "trace", *((name, "rays.npy") if is_field else ("wall.npy", name)), "-o", "hits.npy").out == ""
 
 
 def test_eyes_far_apart_take_no_more_memory():

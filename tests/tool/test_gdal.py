@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What files may make GDAL do, as users run the program: wait for nobody, read no memory, send no request unless asked for. ../io/test_network.py
 tries the filter behind that call by call."""
+import contextlib
 import os
 import socket
+import socketserver
 import threading
 
 import numpy as np
@@ -68,76 +70,60 @@ def test_names_are_files(name):
 # ---- the network ----------------------------------------------------------------------------------------------------------
 
 
-class Server:
-    """Counts who comes, and hangs up."""
+class Visit(socketserver.BaseRequestHandler):
+    """Is counted, and hung up on."""
 
-    def __init__(self):
-        self.socket, self.visits = socket.create_server(("127.0.0.1", 0), backlog=64), 0
-        self.port = self.socket.getsockname()[1]
-        threading.Thread(target=self.serve, daemon=True).start()
-
-    def serve(self):
-        try:
-            while True:
-                visitor, _ = self.socket.accept()
-                self.visits += 1
-                visitor.close()
-        except OSError:
-            pass
-
-    def count(self):
-        """How many came since. Visitors are counted in the order in which they come, so the test visits as the last."""
-        with socket.create_connection(("127.0.0.1", self.port)) as last:
-            try:
-                last.recv(1)  # until the server hangs up
-            except ConnectionResetError:
-                pass
-        came, self.visits = self.visits - 1, 0
-        return came
+    def handle(self):
+        self.server.visits += 1
 
 
 @pytest.fixture
 def server():
-    server = Server()
-    yield server
-    server.socket.shutdown(socket.SHUT_RDWR)
-    server.socket.close()
+    with socketserver.TCPServer(("127.0.0.1", 0), Visit) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        server.visits = 0
+        yield server
+        server.shutdown()
 
 
-def is_open_on_request(server, file, *words, **env):
+def visits(server):
+    """How many came since. Visitors are counted in the order in which they come, so the test visits as the last."""
+    with contextlib.suppress(ConnectionResetError), socket.create_connection(server.server_address) as last:
+        last.recv(1)  # until the server hangs up
+    came, server.visits = server.visits - 1, 0
+    return came
+
+
+def is_open_on_request(server, *words, **env):
     """Whether the server is visited once that is allowed; never without."""
     environment = {"no_proxy": "127.0.0.1", "GDAL_HTTP_MAX_RETRY": "0", **env}  # no proxy of the machine's stands between
-    words = words or ("info", file)
     done = run(*words, env=environment, seconds=60)
-    assert done.status == 1 and "--allow-network" in done.err and server.count() == 0, (file, done.err)
+    assert done.status == 1 and "--allow-network" in done.err and visits(server) == 0, (words, done.err)
     assert run(*words, "--allow-network", env=environment, seconds=60).status == 1
-    return server.count() > 0
+    return visits(server) > 0
 
 
 def test_no_request_unless_asked_for(server):
-    here = f"http://127.0.0.1:{server.port}"
+    port = server.server_address[1]
+    here, nowhere = f"http://127.0.0.1:{port}", "http://nowhere.invalid"
     write("map.tif", f'<GDAL_WMS><Service name="TMS"><ServerUrl>{here}/${{z}}/${{x}}/${{y}}.png</ServerUrl></Service><DataWindow><UpperLeftX>0'
           "</UpperLeftX><UpperLeftY>4</UpperLeftY><LowerRightX>4</LowerRightX><LowerRightY>0</LowerRightY><TileLevel>0</TileLevel><TileCountX>1"
           "</TileCountX><TileCountY>1</TileCountY></DataWindow><BlockSizeX>4</BlockSizeX><BlockSizeY>4</BlockSizeY><BandsCount>1</BandsCount>"
           "</GDAL_WMS>")
-    ways = []
-    for k, source in enumerate([f"/vsicurl/{here}/a.tif", f"/vsicurl_streaming/{here}/a.tif", f"/vsizip//vsicurl/{here}/a.zip/a.tif",
-                                f"NETCDF:&quot;{here}/a.nc&quot;:z", f"{here}/a.tif", f"WMTS:{here}/w", "map.tif"]):
+    ways = [is_open_on_request(server, "info", name) for name in ("map.tif", f"/vsicurl/{here}/b.tif")]  # by names on the command line
+    for source in (f"/vsicurl/{here}/a.tif", f"/vsicurl_streaming/{here}/a.tif", f"/vsizip//vsicurl/{here}/a.zip/a.tif",
+                   f"NETCDF:&quot;{here}/a.nc&quot;:z", f"{here}/a.tif", f"WMTS:{here}/w", "map.tif"):
         hide("net.vrt", source)
-        ways.append(is_open_on_request(server, "net.vrt"))
-        if k < 2:
-            ways.append(is_open_on_request(server, "net.vrt", "shadow", "net.vrt", "--sun", "90,10", "-o", "o.tif"))
-    # By a proxy that GDAL is told of, and that goes before those of the environment.
-    hide("net.vrt", "/vsicurl/http://nowhere.invalid/a.tif")
-    ways.append(is_open_on_request(server, "net.vrt", GDAL_HTTP_PROXY=f"127.0.0.1:{server.port}"))
-    # By one that netCDF finds in the working folder.
-    hide("net.vrt", "NETCDF:&quot;http://nowhere.invalid/a.nc&quot;:z")
+        ways.append(is_open_on_request(server, "info", "net.vrt"))
+    ways.append(is_open_on_request(server, "shadow", "net.vrt", "--sun", "90,10", "-o", "o.tif"))
+    # By a proxy that GDAL is told of, and that goes before those of the environment; by one that netCDF finds in the working folder.
+    hide("net.vrt", f"/vsicurl/{nowhere}/a.tif")
+    ways.append(is_open_on_request(server, "info", "net.vrt", GDAL_HTTP_PROXY=f"127.0.0.1:{port}"))
+    hide("net.vrt", f"NETCDF:&quot;{nowhere}/a.nc&quot;:z")
     for name in ".dodsrc", ".ncrc", ".daprc":
         write(name, f"HTTP.PROXY.SERVER={here}\n")
-        ways.append(is_open_on_request(server, "net.vrt"))
+        ways.append(is_open_on_request(server, "info", "net.vrt"))
         os.unlink(name)
-    # By names on the command line.
-    ways += [is_open_on_request(server, "map.tif"), is_open_on_request(server, f"/vsicurl/{here}/b.tif")]
     print(f"{sum(ways)} of {len(ways)} ways lead to the network")
     if not any(ways):
         pytest.skip("this GDAL has no libcurl")

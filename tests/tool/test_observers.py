@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Observers of a viewshed from tables, files of features and along lines; ../python/test_products.py has what is counted and written of them."""
-import json
 import os
 
 import numpy as np
 import pytest
-from program import asc, needs, on_map, read, refused, run, taken, vrt, write
+from program import asc, feature, geojson, needs, on_map, read, refused, run, taken, vrt, write
 
 NX, NY = 60, 50
 ROWS, COLUMNS = np.mgrid[:NY, :NX]
@@ -90,15 +89,6 @@ def test_any_number():
 
 
 # ---- on maps --------------------------------------------------------------------------------------------------------------
-
-
-def feature(kind, places, **properties):
-    return {"type": "Feature", "properties": properties, "geometry": {"type": kind, "coordinates": places}}
-
-
-def geojson(name, *features, crs="EPSG::32632"):
-    write(name, json.dumps({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": f"urn:ogc:def:crs:{crs}"}},
-                            "features": features}))
 
 
 LINE = [[500100, 5200100], [500400, 5200100]]
