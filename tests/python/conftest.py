@@ -2,6 +2,7 @@
 """What the tests of the Python module share: the program to compare with, and fields on maps of some kinds."""
 import locale
 import os
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -69,13 +70,6 @@ def tool(*words, fails=False):
     return done.err if fails else done.out
 
 
-class Ground:
-    """The same terrain as a file and as a field."""
-
-    def __init__(self, path, field):
-        self.path, self.field = path, field
-
-
 class Places:
     """Of the terrain, as both are given them."""
 
@@ -115,16 +109,17 @@ GROUNDS = "plain", "utm", "turned", "degrees", "mercator"
 
 @pytest.fixture(scope="session", params=GROUNDS)
 def ground(request, tmp_path_factory):
+    """The same terrain as a file and as a field."""
     folder = tmp_path_factory.mktemp(request.param)
     z = rough()
     if request.param == "plain":
         path = folder / "dem.npy"
         np.save(path, z)
-        return Ground(path, cw.Field(z))
+        return SimpleNamespace(path=path, field=cw.Field(z))
     transform = {"utm": PLACE, "turned": (25, 5, 600000, 4, -28, 5200000), "degrees": (1 / 1200, 0, 10.5, 0, -1 / 1200, 47.25),
                  "mercator": (40, 0, 1.2e6, 0, -40, 5.95e6)}[request.param]
     path = geotiff(folder / "dem.tif", z * 20 + 500, {"degrees": "EPSG:4326", "mercator": "EPSG:3857"}.get(request.param, UTM), transform, nodata=np.nan)
-    return Ground(path, cw.open(path))
+    return SimpleNamespace(path=path, field=cw.open(path))
 
 
 PLACE = 30, 0, 600000, 0, -30, 5200000

@@ -297,7 +297,7 @@ def test_days_without_hills():
     """In winter a roof to the south gets most, level ground less, a wall to the north nothing; level land hides no sun."""
     south, level, north = (cw.Field(np.zeros((9, 9))).sun_days(4, 4, "2024-02-10", step="1h", lon_lat=(0, 50), tilt=tilt, facing=facing)
                            for tilt, facing in ((40, 180), (0, 180), (90, 0)))
-    assert south.direct > level.direct > north.direct == 0 and level.hours == level.free_hours
+    assert south.direct > level.direct > north.direct == 0 and level.hours == level.free_hours == (level.set - level.rise) / np.timedelta64(1, "h")
 
 
 # ---- horizons of places ------------------------------------------------------------------------------------------------------

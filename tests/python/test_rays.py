@@ -73,12 +73,8 @@ def test_any_numbers(rays):
 
 def test_many_rays():
     n = 10**7
-    eye = np.array([41.0, 30, 60])
-    v = np.zeros((n, 3), np.float32)
-    v[:, 0], v[:, 1], v[:, 2] = np.linspace(-1, 1, n), np.linspace(0.9, -0.9, n), -1
-    got = FIELD.occluded(eye, v)
-    assert got.shape == (n,)
-    same(got[:: n // 1000], FIELD.closest(eye, v[:: n // 1000]).hit)
+    eye, v = np.array([41.0, 30, 60]), np.column_stack([np.linspace(-1, 1, n), np.linspace(0.9, -0.9, n), np.full(n, -1)]).astype(np.float32)
+    same(FIELD.occluded(eye, v)[:: n // 1000], FIELD.closest(eye, v[:: n // 1000]).hit)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64, np.int32, ">f8"])
@@ -93,10 +89,9 @@ def test_masked_rays_miss(dtype):
 
 def test_zero_rays():
     for shape in ((0, 8), (0, 6), (3, 0, 8)):
-        assert FIELD.closest(np.empty(shape)).shape == shape[:-1]
-    assert FIELD.occluded(np.empty((0, 3)), [0, 0, 1]).shape == (0,)
-    assert FIELD.closest(np.empty((0, 8))).points().shape == (0, 3)
-    assert FIELD.at([], []).shape == (0,)
+        hits = FIELD.closest(np.empty(shape))
+        assert hits.shape == shape[:-1] and hits.points().shape == (*shape[:-1], 3)
+    assert FIELD.occluded(np.empty((0, 3)), [0, 0, 1]).shape == FIELD.at([], []).shape == (0,)
 
 
 @pytest.mark.parametrize("arguments, kind, words", [
@@ -141,9 +136,7 @@ def test_points_and_normals():
 def test_at_is_the_surface():
     z = rough(holes=False)
     field = cw.Field(z)
-    j, i = np.mgrid[0:z.shape[0], 0:z.shape[1]]
-    same(field.at(i, j), z.astype(np.float64))
-    assert np.isnan(field.at([-1, 999, np.nan], 5)).all()
-    assert isinstance(field.at(1, 1), np.float64)
+    same(field.at(*np.mgrid[:z.shape[0], :z.shape[1]][::-1]), z.astype(np.float64))
+    assert np.isnan(field.at([-1, 999, np.nan], 5)).all() and isinstance(field.at(1, 1), np.float64)
     with pytest.raises(ValueError, match=r"x \(2,\), y \(3,\)"):
         field.at([1, 2], [1, 2, 3])

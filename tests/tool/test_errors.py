@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from program import SCENE, commands, info, library, needs_room, npy, rays, read, refused, run, write
 
-# The status, a part of the message, ~ for a new line, and the words. Of {a;b} each is tried.
+# The status, a part of the message, the words, and what is in bad.csv; ~ is a new line. Of {a;b} each is tried.
 LINES = r"""
 2 | did you mean trace? | tarce
 2 | unknown option '--verbose' | --verbose
@@ -89,11 +89,27 @@ LINES = r"""
 1 | no room for 2 bands | viewshed wall.npy --cellsize 10 --observers t.csv --bands -o no.png
 2 | a place is X,Y or X,Y,H with H metres above ground, or X,Y,=Z with an absolute height, not | los wall.npy {5;1,2,=;1,=2} 10,10,2
 1 | pairs.csv | los wall.npy --pairs pairs.csv -o ./pairs.csv
-2 | is missing, or --pairs FILE | los wall.npy{; 1,2}
+2 | FROM is missing, or --pairs FILE | los wall.npy
+2 | TO is missing, or --pairs FILE | los wall.npy 1,2
 2 | -o goes with --pairs | los wall.npy 1,2 3,4 -o no.csv
 2 | --json goes with two places | los wall.npy --pairs pairs.csv --json
 2 | --profile needs a file that nothing else is written to | los wall.npy --pairs pairs.csv --profile -
 2 | --frequency takes megahertz from 0.1 to 1000000, not | los wall.npy 1,2 3,4 --frequency {0;-1;0.01;1e9}
+1 | bad.csv: is empty; its first line should name the columns | viewshed wall.npy --observers bad.csv -o no.npy |
+1 | bad.csv: holds no places | viewshed wall.npy --observers bad.csv -o no.npy | x,y~
+1 | bad.csv: has no column 'x'; its first line names a, y | viewshed wall.npy --observers bad.csv -o no.npy | a,y~1,2~
+1 | bad.csv:3: 'two' stands where a number should, in y | viewshed wall.npy --observers bad.csv -o no.npy | x,y~1,1~1,two~
+1 | bad.csv:2: '=' stands where a height, as 2 or =1250, should, in height | viewshed wall.npy --observers bad.csv -o no.npy | x,y,height~1,1,=~
+1 | bad.csv:2: 'heavy' stands where a number should, in weight | viewshed wall.npy --observers bad.csv -o no.npy | x,y,weight~1,1,heavy~
+1 | bad.csv:4: 70,10,2: lies outside | viewshed wall.npy --observers bad.csv -o no.npy | x,y~10,10~~70,10~
+1 | bad.csv:2: 1e+300,1,2: is too far away | viewshed wall.npy --observers bad.csv -o no.npy | x,y~1e300,1~
+1 | bad.csv:2: 10,10,=-500: is under the ground | viewshed wall.npy --observers bad.csv -o no.npy | x,y,height~10,10,=-500~
+1 | bad.csv:2 (Far Mast): -9,1,2: lies outside | viewshed wall.npy --observers bad.csv -o no.npy | name,x,y~Far Mast,-9,1~
+1 | bad.csv: has no column 'y2'; its first line names x1, y1, x2 | los wall.npy --pairs bad.csv -o no.csv | x1,y1,x2~1,2,3~
+1 | bad.csv: holds no pairs | los wall.npy --pairs bad.csv -o no.csv --profile no2.csv | x1,y1,x2,y2~
+1 | bad.csv:3: 'b' stands where a number should, in x2 | los wall.npy --pairs bad.csv -o no.csv --profile no2.csv | x1,y1,x2,y2~1,2,3,5~1,2,b,4~
+1 | bad.csv:3: 3,999,0: lies outside | los wall.npy --pairs bad.csv -o no.csv --profile no2.csv | x1,y1,x2,y2~1,2,3,5~1,2,3,999~
+1 | bad.csv:2: 'low' stands where a height | los wall.npy --pairs bad.csv -o no.csv --profile no2.csv | x1,y1,height1,x2,y2~1,2,low,3,4~
 2 | --date is missing | sun wall.npy -o no.npy
 2 | --suns goes with none of --date | sun wall.npy --suns suns.csv {--date 2024;--irradiance --linke 3} -o no.npy
 1 | none.csv: cannot read | sun wall.npy --suns none.csv -o no.npy
@@ -115,7 +131,10 @@ LINES = r"""
 2 | longer --step | sun wall.npy --date 2000-06-21 --to 2024-06-20 --step 30s -o no.npy
 2 | a scene or a raster is missing | render -o no.exr
 2 | is for rasters | render s.pbrt {--sun 0,30;--nodata 0;--sky;--water 3;--curvature 1} -o no.exr
-2 | not | render wall.npy {--fov 180;--from 5;--haze 0;--curvature -1 --from 20,20} -o no.exr
+2 | not 180 | render wall.npy --fov 180 -o no.exr
+2 | not '5' | render wall.npy --from 5 -o no.exr
+2 | --haze takes a visibility in metres, above 0, not 0 | render wall.npy --haze 0 -o no.exr
+2 | --curvature takes a number from 0 on, not -1 | render wall.npy --curvature -1 --from 20,20 -o no.exr
 1 | the same place | render wall.npy --from 5,3,9 --to 5,3,9 -o no.exr
 2 | either --sun or --time | render wall.npy --time 2024-06-21T12:00:00Z --sun 0,9 -o no.exr
 2 | give the eye's place by --from | render wall.npy --curvature 1 -o no.exr
@@ -136,11 +155,11 @@ LINES = r"""
 
 def cases():
     for line in LINES.strip().splitlines():
-        status, why, words = (part.strip().replace("~", "\n") for part in line.split("|"))
+        status, why, words, table = (part.strip().replace("~", "\n") for part in (line + "|").split("|")[:4])
         text = re.split(r"\{(.*?)\}", words)
         choices = [part.split(";") for part in text[1::2]]
         for k in range(len(choices[0]) if choices else 1):  # alternatives in two places belong together
-            yield int(status), why, "".join(part if at % 2 == 0 else choices[at // 2][k] for at, part in enumerate(text))
+            yield int(status), why, table, "".join(part if at % 2 == 0 else choices[at // 2][k] for at, part in enumerate(text))
 
 
 @pytest.fixture(autouse=True)
@@ -159,8 +178,9 @@ def inputs(folder):
     os.link("t.csv", "t.npy")
 
 
-@pytest.mark.parametrize("status, why, words", cases())
-def test_lines(status, why, words):
+@pytest.mark.parametrize("status, why, table, words", cases())
+def test_lines(status, why, table, words):
+    write("bad.csv", table)
     assert refused(status, why, *shlex.split(words)).out == ""
 
 
@@ -178,34 +198,6 @@ def test_places(place, why):
     for command, *more in [("viewshed", "--from", place, "-o", "v.npy"), ("horizon", "--at", place), ("los", "10,10,2", place),
                            ("los", place, "10,10,2"), ("render", "--from", place, "-o", "v.exr"), ("render", "--to", place, "-o", "v.exr")]:
         refused(1, why, command, "wall.npy", *more)
-
-
-OBSERVERS, PAIRS = ("viewshed", "wall.npy", "--cellsize", 10, "-o", "v.npy", "--observers"), ("los", "wall.npy", "-o", "v.csv", "--profile", "w.csv", "--pairs")
-
-
-@pytest.mark.parametrize("command, text, why", [
-    *((OBSERVERS, text, why) for text, why in [
-        ("", "is empty; its first line should name the columns"),
-        ("x,y\n", "holds no places"),
-        ("a,y\n1,2\n", "has no column 'x'; its first line names a, y"),
-        ("x,y\n100,100\n100,two\n", ":3: 'two' stands where a number should, in y"),
-        ("x,y,height\n100,100,=\n", ":2: '=' stands where a height, as 2 or =1250, should, in height"),
-        ("x,y,weight\n100,100,heavy\n", ":2: 'heavy' stands where a number should, in weight"),
-        ("x,y\r\n100,100\r\n\r\n700,100\r\n", ":4: 700,100,2: lies outside"),
-        ("x,y\n1e300,1\n", ":2: 1e+300,1,2: is too far away"),
-        ("x,y,height\n100,100,=-500\n", ":2: 100,100,=-500: is under the ground"),
-        ("name,x,y\nFar Mast,-9,1\n", ":2 (Far Mast): -9,1,2: lies outside"),
-        (b"\xff\xfex", "has no column 'x'")]),
-    *((PAIRS, text, why) for text, why in [
-        ("x1,y1,x2\n1,2,3\n", "has no column 'y2'; its first line names x1, y1, x2"),
-        ("x1,y1,x2,y2\n", "holds no pairs"),
-        ("x1,y1,x2,y2\n1,2,3,5\n1,2,b,4\n", ":3: 'b' stands where a number should, in x2"),
-        ("x1,y1,x2,y2\n1,2,3,5\n1,2,3,999\n", ":3: 3,999,0: lies outside"),
-        ("x1,y1,height1,x2,y2\n1,2,low,3,4\n", ":2: 'low' stands where a height")])])
-def test_tables(command, text, why):
-    """What is in the cells; ../io/test_files.py has what tables are made of."""
-    write("bad.csv", text)
-    refused(1, f"bad.csv{why}" if why.startswith(":") else f"bad.csv: {why}", *command, "bad.csv")
 
 
 def test_eyes_far_apart_take_no_more_memory():

@@ -124,26 +124,26 @@ def test_polygons():
     def inside(corners):
         return np.all([(bx - ax) * (y - ay) > (by - ay) * (x - ax) for (ax, ay), (bx, by) in zip(corners, corners[1:])], 0)
     wanted = inside(triangle) | inside(square) & ~inside(hole)
-    words = "--observers", "t.csv", "--table", "s.csv", "--within", "a.geojson"
-    same("utm.vrt", words[:2], words)
+    words = "--observers", "t.csv", "--table", "s.csv", "--within"
+    same("utm.vrt", words[:2], (*words, "a.geojson"))
     bands = view("utm.vrt", *words[:2], "--bands")
+    assert min((wanted & (band == 1)).sum() for band in bands) > 9
 
     def around(far):
         return feature("Polygon", [[[a, b] for a, b in ((-far, -far), (far, -far), (far, far), (-far, far), (-far, -far))]])
     geojson("all.geojson", around(1e9))
     geojson("far.geojson", feature("Polygon", [[[9, 40], [9.1, 40], [9, 40.1], [9, 40]]]), crs="OGC:1.3:CRS84")
     part = wanted & (x > 500100) & (x < 500250) & (y > 5200200) & (y < 5200390)
-    for file, samples, says, more in (("a.geojson", wanted, None, ()), ("a.geojson", part, None, ("--window", "500100,5200200,500250,5200390")),
-                                      ("all.geojson", x > 0, None, ()), ("far.geojson", x < 0, "far.geojson: no sample that is looked at lies inside", ())):
-        view("utm.vrt", *words[:5], file, *more, says=says)
+    for samples, says, *more in ((wanted, None, "a.geojson"), (part, None, "a.geojson", "--window", "500100,5200200,500250,5200390"), (x > 0, None, "all.geojson"),
+                                 (x < 0, "far.geojson: no sample that is looked at lies inside", "far.geojson")):
+        view("utm.vrt", *words, *more, says=says)
         assert [int(line.split(",")[3]) for line in read("s.csv").decode().splitlines()[1:]] == [(samples & (band == 1)).sum() for band in bands]
-    assert min((wanted & (band == 1)).sum() for band in bands) > 9
     for features, why in [([feature("Point", LINE[0])], "feature 0: is a POINT, no polygon"), ([feature("LineString", LINE)], "feature 0: is a LINESTRING, no polygon"),
                           ([], "holds no polygons"), *(([around(far)], "feature 0: reaches too far away from the terrain") for far in (1e12, 1e300))]:
         geojson("w.geojson", *features)
-        refused(1, f"w.geojson: {why}", "viewshed", "utm.vrt", *words[:5], "w.geojson", "-o", "o.npy")
-    refused(1, "t.csv: holds no polygons", "viewshed", "utm.vrt", *words[:5], "t.csv", "-o", "o.npy")
-    refused(1, "none.gpkg: ", "viewshed", "utm.vrt", *words[:5], "none.gpkg", "-o", "o.npy")
+        refused(1, f"w.geojson: {why}", "viewshed", "utm.vrt", *words, "w.geojson", "-o", "o.npy")
+    for name, why in ("t.csv", "t.csv: holds no polygons"), ("none.gpkg", "none.gpkg: "):
+        refused(1, why, "viewshed", "utm.vrt", *words, name, "-o", "o.npy")
 
 
 def test_features_that_are_refused():

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every subcommand on a terminal, with names, options and files that hold commands to it: nothing but text arrives there."""
+import contextlib
 import os
 import pty
 import re
-import signal
 import subprocess
 import unicodedata
 
@@ -54,17 +54,11 @@ def shown(*words, **env):
     """Exit status, and what arrives at a terminal. Reading fails when the program has ended, which alone has the other side."""
     terminal, side = pty.openpty()
     environment = {"ASAN_OPTIONS": "symbolize=0:detect_leaks=0", **os.environb, **{k.encode(): v for k, v in env.items()}}
-    process = subprocess.Popen([PROGRAM, *words], stdin=side, stdout=side, stderr=side, env=environment)
-    signal.signal(signal.SIGALRM, lambda *_: process.kill())
-    signal.alarm(60)
+    process, parts = subprocess.Popen(["timeout", "--foreground", "60", PROGRAM, *words], stdin=side, stdout=side, stderr=side, env=environment), []
     os.close(side)
-    parts = []
-    while True:
-        try:
+    with contextlib.suppress(OSError):
+        while True:
             parts.append(os.read(terminal, 1 << 16))
-        except OSError:
-            break
-    signal.alarm(0)
     os.close(terminal)
     return process.wait(), b"".join(parts)
 
