@@ -215,15 +215,17 @@ def test_symbols():
 
 
 def test_install(tmp_path):
-    """Installs the build into a fresh tree, moves the tree, and builds and runs programs against it: once through the CMake package and
+    """Installs the build into a fresh tree, moves the tree, or takes that of ./round_trip, and builds and runs programs against it: once through the CMake package and
     once through pkg-config, linked as it comes and statically."""
     library, package, cxx, config = given("LIBRARY", "PACKAGE", "CXX", "CONFIG")
     programs, work = [SOURCE / "tests/package" / os.environ["PROGRAM"]], tmp_path / "build"
     if library == "terrain":
         programs.append(shutil.copy(programs[0], tmp_path / "viewshed.cpp"))
     compilers = {".c": (os.environ["CC"], "-std=c17"), ".cpp": (cxx, "-std=c++17")}
-    run(CMAKE, "--install", os.environ["BUILD"], "--prefix", tmp_path / "first")
-    tree = (tmp_path / "first").rename(tmp_path / "tree")  # nothing may know where it was installed to
+    tree = os.environ.get("TREE")
+    if not tree:
+        run(CMAKE, "--install", os.environ["BUILD"], "--prefix", tmp_path / "first")
+        tree = (tmp_path / "first").rename(tmp_path / "tree")  # nothing may know where it was installed to
     configure(SOURCE / "tests/package/users", work, f"-DCMAKE_PREFIX_PATH={tree}", f"-DCMAKE_BUILD_TYPE={config}", f"-DLIBRARY={library}",
               f"-DPROGRAMS={';'.join(map(str, programs))}")  # by the compilers CC and CXX
     build(work)
@@ -232,7 +234,7 @@ def test_install(tmp_path):
             run(work / f"{program.name}{kind}")
     if not shutil.which("pkg-config"):
         pytest.skip("without pkg-config (Debian: pkg-config) its file is not tested")
-    pc, *_ = tree.rglob(f"{package}.pc")
+    pc, *_ = pathlib.Path(tree).rglob(f"{package}.pc")
     for kind, flag, link in ("shared", [], []), ("static", ["--static"], ["-static"]):
         flags = run("pkg-config", "--cflags", "--libs", *flag, package, PKG_CONFIG_PATH=str(pc.parent)).split()
         for program in programs:
