@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plants the faults of faults.toml one by one in a copy of the project, and runs the tests that should notice.
 
-A fault is caught if one of its tests fails, crashes or does not end. First all faults meet tests with a sixteenth of their rays, then
-those that are left meet tests in full. A fault that no test catches is a missing test, and the exit status is 1.
+A fault is caught if one of its tests fails, crashes or does not end, with a sixteenth of its rays or else in full. A fault that no test
+catches is a missing test, and the exit status is 1.
 
     mutate.py --work build/mutate/work [--check] [--only TEXT] [--json FILE]
 """
@@ -64,11 +64,12 @@ class Build:
         if done.returncode:
             sys.exit(done.stdout)
 
-    def make(self, tests):
+    def make(self, tests, what="without a fault"):
         """Programs of tests in C, or what those in Python start."""
         targets = {target for t in tests for target in programs_of(t) or [f"test_{t}"]}
         done = run(["cmake", "--build", self.folder, f"-j{self.jobs}", "--target", *targets])
-        return None if done.returncode == 0 else done.stdout[-2000:]
+        if done.returncode:
+            sys.exit(f"{what} it cannot be built:\n{done.stdout[-2000:]}")
 
     def fails(self, test, divide):
         """Whether the test notices something."""
@@ -79,16 +80,14 @@ class Build:
             command = ["ctest", "-R", f"^{test}$", "--no-tests=error"]
         return run(command, cwd=folder, env=dict(os.environ, CELLWALK_TEST_DIVIDE=str(divide)), preexec_fn=limit).returncode != 0
 
-    def plant(self, fault, divide):
-        """The test that catches it, or None."""
+    def plant(self, fault):
+        """The test that catches it, or None, and the divisor of its rays."""
         path = self.tree / fault["file"]
         text = path.read_text()
         path.write_text(text.replace(fault["search"], fault["replace"]))
-        broken = self.make(fault["tests"])
-        by = None if broken else next((t for t in fault["tests"] if self.fails(t, divide)), None)
+        self.make(fault["tests"], f"{fault['file']}: with '{fault['replace']}'")
+        by = next(((t, divide) for divide in (16, 1) for t in fault["tests"] if self.fails(t, divide)), (None, 1))
         path.write_text(text)
-        if broken:
-            sys.exit(f"{fault['file']}: with '{fault['replace']}' it cannot be built:\n{broken}")
         return by
 
 
@@ -106,25 +105,20 @@ def main():
     options.work.mkdir(parents=True, exist_ok=True)
     build = Build(options.work.resolve(), options.jobs)
     tests = sorted({t for f in faults for t in f["tests"]})
-    broken = build.make(tests)
-    if broken:
-        sys.exit(broken)
+    build.make(tests)
     for test in tests:
         if build.fails(test, 16):
             sys.exit(f"{test} fails without a fault")
-    left, lines = faults, []
-    for divide in (16, 1):
-        todo, left = left, []
-        for fault in todo:
-            by = build.plant(fault, divide)
-            if by is None:
-                left.append(fault)
-            lines.append({"file": fault["file"], "breaks": fault["breaks"], "test": by, "share": f"1/{divide}"})
-            print(f"{by or ('SURVIVES' if divide == 1 else 'not yet'):20} {fault['file']}: {fault['breaks']}", flush=True)
+    lines = []
+    for fault in faults:
+        by, divide = build.plant(fault)
+        lines.append({"file": fault["file"], "breaks": fault["breaks"], "test": by, "share": f"1/{divide}"})
+        print(f"{by or 'SURVIVES':20} {fault['file']}: {fault['breaks']}", flush=True)
     if options.json:
-        options.json.write_text("".join(json.dumps(line) + "\n" for line in lines if line["test"] or line["share"] == "1/1"))
-    print(f"{len(faults) - len(left)} of {len(faults)} faults are caught")
-    sys.exit(len(left) > 0)
+        options.json.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    left = sum(line["test"] is None for line in lines)
+    print(f"{len(faults) - left} of {len(faults)} faults are caught")
+    sys.exit(left > 0)
 
 
 main()

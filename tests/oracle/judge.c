@@ -13,8 +13,7 @@ static double distance(const oracle *o, int32_t i, int32_t j) { return bounds_D(
 static double delta(const oracle *o, int32_t i, int32_t j) { return bounds_delta(&o->bounds, distance(o, i, j)); }
 
 static bounds_surface surface_at(const oracle *o, int32_t i, int32_t j) {
-    const cell_bounds *b = delta(o, i, j) < 0.5 ? &o->cell[(size_t)j * (o->nx - 1) + (size_t)i] : &o->all;
-    return (bounds_surface){b->low, b->high, b->slope};
+    return delta(o, i, j) < 0.5 ? o->cell[(size_t)j * (o->nx - 1) + (size_t)i].surface : o->all;
 }
 
 /* E near a cell. */
@@ -78,7 +77,7 @@ static void keep_off_holes(const oracle *o, stretch *s, const oracle_triangle *t
 /* t of a crossing; exact where the double could be off by more than 2^-15 of the bounds. */
 static double value(oracle *o, const crossing *c) {
     const double place = fabs(o->ox) + fabs(o->oy) + fabs(c->t) * (fabs(o->dx) + fabs(o->dy)) + 2;
-    const double height = fabs(o->oz) + fabs(c->t * o->dz) + fmax(fabs(o->low), fabs(o->top));
+    const double height = fabs(o->oz) + fabs(c->t * o->dz) + fmax(fabs(o->all.low), fabs(o->all.high));
     const double moves = fabs(o->dx) + fabs(o->dy);
     if (c->error * moves <= 0x1p-40 * place && c->error * fabs(o->dz) <= 0x1p-40 * height) return c->t;
     return exact_value(o, c);
@@ -182,22 +181,21 @@ bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *o
     const double x = o->ox + at * o->dx, y = o->oy + at * o->dy, z = o->oz + at * o->dz;
     const double place = bounds_place_evaluation(&o->bounds, at);
     const int32_t last_i = (int32_t)o->nx - 1, last_j = (int32_t)o->ny - 1;
-    const bounds_surface all = {o->low, o->top, o->all.slope};
     if (over) {
         const double margin = 2 * delta(o, over->i, over->j) + place, inside = edge_distance(o, over, at);
         /* Near an edge it may count as over a neighbour, whose bounds are others. */
         const double error = inside > margin ? clear_error(o, at, over->i, over->j)
-                                             : bounds_clear(&o->bounds, distance(o, over->i, over->j) + 2, all) +
-                                                   bounds_height_evaluation(&o->bounds, at, all);
+                                             : bounds_clear(&o->bounds, distance(o, over->i, over->j) + 2, o->all) +
+                                                   bounds_height_evaluation(&o->bounds, at, o->all);
         return inside >= -place && x > margin && x < last_i - margin && y > margin && y < last_j - margin &&
                side * oracle_height(o, over, at) > error;
     }
     const double D = fmax(fmax(distance(o, 0, 0), distance(o, last_i, 0)),
                           fmax(distance(o, 0, last_j), distance(o, last_i, last_j)));
     const double margin = 2 * bounds_delta(&o->bounds, D) + place;
-    const double error = bounds_clear(&o->bounds, D, all) + bounds_height_evaluation(&o->bounds, at, all);
+    const double error = bounds_clear(&o->bounds, D, o->all) + bounds_height_evaluation(&o->bounds, at, o->all);
     return x > margin && x < last_i - margin && y > margin && y < last_j - margin &&
-           (side > 0 ? z - o->top > error : o->low - z > error);
+           (side > 0 ? z - o->all.high > error : o->all.low - z > error);
 }
 
 hit_check oracle_check(oracle *o, const cw_hit *hit) {

@@ -35,29 +35,32 @@ double oracle_height(const oracle *o, const oracle_triangle *t, double at) {
 
 /* ---- the field's bounds ------------------------------------------------------------------------------------------ */
 
-static void note_edge(cell_bounds *b, float p, float q) {
+static const bounds_surface nothing = {(double)INFINITY, -(double)INFINITY, 0};
+
+static void note_edge(bounds_surface *b, float p, float q) {
     if (!isfinite(p) || !isfinite(q)) return;
-    b->slope = fmax(b->slope, fabs((double)p - (double)q));
+    b->S = fmax(b->S, fabs((double)p - (double)q));
     b->low = fmin(b->low, fmin((double)p, (double)q));
     b->high = fmax(b->high, fmax((double)p, (double)q));
 }
 
 static cell_bounds bounds_around(const oracle *o, int32_t i, int32_t j) {
-    cell_bounds b = {(double)INFINITY, -(double)INFINITY, 0, true};
+    bounds_surface s = nothing;
+    bool all_solid = true;
     for (int32_t y = j - 1; y <= j + 1; y++)
         for (int32_t x = i - 1; x <= i + 1; x++) {
-            if (!oracle_solid(o, x, y, CW_TRIANGLE_A) || !oracle_solid(o, x, y, CW_TRIANGLE_B)) b.all_solid = false;
+            if (!oracle_solid(o, x, y, CW_TRIANGLE_A) || !oracle_solid(o, x, y, CW_TRIANGLE_B)) all_solid = false;
             if (x < 0 || y < 0 || x >= (int32_t)o->nx - 1 || y >= (int32_t)o->ny - 1) continue;
             const float h00 = sample(o, x, y), h10 = sample(o, x + 1, y);
             const float h01 = sample(o, x, y + 1), h11 = sample(o, x + 1, y + 1);
-            note_edge(&b, h00, h10);
-            note_edge(&b, h00, h01);
-            note_edge(&b, h01, h11);
-            note_edge(&b, h10, h11);
-            note_edge(&b, h00, h11);
+            note_edge(&s, h00, h10);
+            note_edge(&s, h00, h01);
+            note_edge(&s, h01, h11);
+            note_edge(&s, h10, h11);
+            note_edge(&s, h00, h11);
         }
-    if (!(b.low <= b.high)) b.low = b.high = 0; /* nothing but holes */
-    return b;
+    if (!(s.low <= s.high)) s.low = s.high = 0; /* nothing but holes */
+    return (cell_bounds){s, all_solid};
 }
 
 oracle *oracle_create(const float *samples, size_t nx, size_t ny) {
@@ -73,24 +76,17 @@ oracle *oracle_create(const float *samples, size_t nx, size_t ny) {
         oracle_destroy(o);
         return NULL;
     }
-    o->low = (double)INFINITY;
-    o->top = -(double)INFINITY;
+    o->all = nothing;
     for (size_t k = 0; k < nx * ny; k++) {
-        if (!isfinite(samples[k])) {
-            o->holes = true;
-            continue;
-        }
-        o->low = fmin(o->low, (double)samples[k]);
-        o->top = fmax(o->top, (double)samples[k]);
+        note_edge(&o->all, samples[k], samples[k]);
+        o->holes |= !isfinite(samples[k]);
     }
     for (int32_t j = 0; j < (int32_t)ny - 1; j++)
         for (int32_t i = 0; i < (int32_t)nx - 1; i++) {
             cell_bounds *b = &o->cell[(size_t)j * (nx - 1) + (size_t)i];
             *b = bounds_around(o, i, j);
-            o->all.slope = fmax(o->all.slope, b->slope);
+            o->all.S = fmax(o->all.S, b->surface.S);
         }
-    o->all.low = o->low;
-    o->all.high = o->top;
     return o;
 }
 
@@ -321,7 +317,7 @@ bool oracle_ray(oracle *o, const cw_ray *ray) {
     o->ox = (double)r->org[0], o->oy = (double)r->org[1], o->oz = (double)r->org[2];
     o->dx = (double)r->dir[0], o->dy = (double)r->dir[1], o->dz = (double)r->dir[2];
     const double org[3] = {o->ox, o->oy, o->oz}, dir[3] = {o->dx, o->dy, o->dz};
-    o->bounds = bounds_ray_of(org, dir, o->nx, o->ny, o->low, o->top);
+    o->bounds = bounds_ray_of(org, dir, o->nx, o->ny, o->all.low, o->all.high);
     return r->tmin <= r->tmax;
 }
 

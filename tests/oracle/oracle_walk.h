@@ -34,11 +34,10 @@ typedef struct segment {
     int side_from, side_to;      /* sign of d */
 } segment;
 
-/* Bounds over the 3 × 3 cells around each cell. */
+/* Over the 3 × 3 cells around each cell. */
 typedef struct cell_bounds {
-    double low, high; /* samples */
-    double slope;     /* largest difference along an edge, in size */
-    bool all_solid;   /* no hole and no border of the field within reach */
+    bounds_surface surface;
+    bool all_solid; /* no hole and no border of the field within reach */
 } cell_bounds;
 
 enum { EXACT_NUMBERS = 9 };
@@ -46,9 +45,8 @@ struct oracle {
     const float *z;
     size_t nx, ny;
     bool holes;
-    double low, top; /* over samples */
     cell_bounds *cell;
-    cell_bounds all;
+    bounds_surface all;          /* over samples and edges */
     mpf_t number[EXACT_NUMBERS]; /* exact.c */
 
     cw_ray ray; /* with the header's conventions applied */
