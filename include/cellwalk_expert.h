@@ -98,8 +98,6 @@ CW_API const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run);
  * kernel of its run; an update drops it. Nothing else may be running on the field. On failure the field does not change:
  * CW_ERROR_ARGUMENT, _KERNEL, _MEMORY. */
 CW_API cw_status cw_field_build(cw_field *field, const cw_run *run);
-/* Elapsed time spent on the field's structures, including the sample scan if it was done in the same pass. */
-CW_API double cw_field_build_seconds(const cw_field *field);
 
 /* ---- threads ---------------------------------------------------------------------------------------------------- */
 

@@ -21,19 +21,18 @@
 typedef uint64_t ray_set;
 /* Its packets. */
 typedef uint64_t packet_set;
-enum { TILE = 64, PACKETS = TILE / W, GROUP = 16, GROUPS = TILE / GROUP };
+enum { TILE = 64, PACKETS = TILE / W };
 
 /* For fewer rays than this, making a fat ray takes longer than it saves. */
 enum { SHARE_AT_LEAST = 4 };
 
-/* Greatest distance in cells between origins of a tile that shares a walk, along each axis. With more, shadow rays lose
- * time, as the tile falls apart at once. */
-enum { TILE_CELLS = 4 };
+/* Greatest distance in cells between the origins of a tile that shares a walk and that of its first ray, along each axis. With
+ * more, shadow rays lose time, as the tile falls apart at once. */
+enum { TILE_CELLS = 16 };
 
 static inline unsigned packet_bits(ray_set rays, size_t p) {
     return (unsigned)(rays >> (p * W)) & (unsigned)(((ray_set)1 << W) - 1);
 }
-static inline ray_set group_bits(ray_set rays, size_t g) { return rays & (ray_set)0xffff << (g * GROUP); }
 
 /* Returns the first packet with some of the rays, and removes its rays from them. */
 static inline size_t next_packet(ray_set *rays) {
@@ -63,9 +62,9 @@ typedef struct fat_ray {
 } fat_ray;
 
 /* True if the rays are coherent: in one direction quadrant, directions within 1/8 of the first one's length from it,
- * origins within this many cells of its origin. Right answers require only one quadrant and no negative from; the other
+ * origins within TILE_CELLS of its origin. Right answers require only one quadrant and no negative from; the other
  * conditions are for speed. */
-static inline bool coherent(const packet *packets, ray_set rays, float cells) {
+static inline bool coherent(const packet *packets, ray_set rays) {
     const unsigned first = (unsigned)__builtin_ctzll(rays);
     const vray *one = &packets[first / W].r;
     const unsigned lane = first % W;
@@ -73,7 +72,7 @@ static inline bool coherent(const packet *packets, ray_set rays, float cells) {
                  dz = vf_set(vf_lane(&one->dz, lane));
     const vfloat ox = vf_set(vf_lane(&one->x.org, lane)), oy = vf_set(vf_lane(&one->y.org, lane));
     const vfloat length = vf_max(vf_max(vf_abs(dx), vf_abs(dy)), vf_abs(dz)), zero = vf_set(0);
-    const vfloat angle = vf_mul(length, vf_set(0.125f)), apart = vf_set(cells);
+    const vfloat angle = vf_mul(length, vf_set(0.125f)), apart = vf_set(TILE_CELLS);
     for (ray_set left = rays; left != 0;) {
         const size_t p = next_packet(&left);
         const unsigned here = packet_bits(rays, p);

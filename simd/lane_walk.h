@@ -58,8 +58,9 @@ CW_ONE_COPY void CW_CODE(lane_write)(lane_answers *a, const cw_field *f) {
                               n[FOUND_H11]};
     vfloat c[8];
     vf_load_each_ray(rays, c);
-    vstart s;
-    restart_rays(&s, f, c);
+    vstart s, moved;
+    (void)start_rays(&s, f, c, &moved); /* all of them do hit */
+    if (s.moved) s = moved;
     const vhit h = refine_hits(&s, &found);
     cw_hit hits[W];
     vf_store_hits(hits, h.t, h.u, h.v, found.i, found.j, found.find.b);

@@ -9,8 +9,6 @@
  * Invariant: at each level what the ray meets is opened from front to back, and all before the first node opened is behind the ray, so the
  * first cell found is the first one hit. Rejected: slabs, which for one ray take longer than the nodes that they save. */
 
-#define INLINE_WATERTIGHT (W == 16) /* see pyramid_kernel.c */
-
 #include "../src/scalar/strict.h"
 #include "children.h"
 #include "kernels.h"

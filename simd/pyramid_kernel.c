@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The pyramid kernels: the choice of a walk for each ray. Tiles of 64 rays are made ready W at a time. A coherent
- * tile shares its walk, else each coherent group of 16 does (shared_walk.h). The walks of other rays end where
+ * tile shares its walk (shared_walk.h). The walks of other rays end where
  * they climb out of the terrain (climb.h). A few steps of the flat walk finish the short ones (flat_walk.h),
  * and the rest is queued for the lane walk (lane_walk.h). The build compiles this once for each row
  * of its table.
@@ -8,8 +8,6 @@
  * Paper: Tevs, Ihrke and Seidel 2008, who walk a pyramid of maxima with four children a node; here a node has
  * sixteen. Invariant: the choice of a walk never changes a hit, since every walk visits each cell that passes the
  * gate. Rejected variants are beside the steps that they would replace. */
-
-#define INLINE_WATERTIGHT (W == 16) /* with the 32 registers of AVX-512; see vector_watertight.h */
 
 #include "climb.h"
 #include "close_walk.h"
@@ -55,13 +53,11 @@ CW_INLINE void walk_apart(tile_walk *w, climber *climbers, packet_set apart, boo
     }
 }
 
-/* Walks the rays of w together if they are coherent, with origins within this many cells; else returns false. */
-CW_INLINE bool walk_together(tile_walk *w, float cells, bool any) {
-    if (__builtin_popcountll(w->rays) < SHARE_AT_LEAST || !coherent(w->packets, w->rays, cells)) return false;
-    if (!fat_init(&w->tile, w->packets, w->rays)) return false;
-    const struct cw_pyramid *p = w->f->pyramid;
-    const int top = p->levels - 1;
-    shared_walk(w, &w->tile, w->rays, top, 0, 0, fat_open(&w->tile, &p->level[top], 0, 0), any);
+/* Walks the rays of w together if they are coherent; else returns false. */
+CW_INLINE bool walk_together(tile_walk *w, bool any) {
+    if (__builtin_popcountll(w->rays) < SHARE_AT_LEAST || !coherent(w->packets, w->rays)) return false;
+    if (!fat_init(&w->fat, w->packets, w->rays)) return false;
+    shared_walk(w, any);
     return true;
 }
 
@@ -70,16 +66,12 @@ typedef struct tile_room {
     packet *packets;
     vstart *start;
     climber *climbers;
-    fat_ray *group; /* of tiles of several groups */
     lane_queue *queue;
 } tile_room;
 
 /* Traces the first n rays of a tile, whose packets are numbers first_packet and on of the queue. Writes their hits,
  * and misses for rays without a hit so far. Returns the rays that hit if any is set, else 0. Rays that go on alone
- * are queued.
- *
- * Rejected: letting each group of an incoherent tile walk as soon as it is ready, with its rays in registers. Bounce
- * rays gain less than coherent rays lose. */
+ * are queued. */
 static __attribute__((noinline)) ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, bool any,
                                                       cw_hit *hits, const tile_room *room, size_t first_packet) {
     packet *const packets = room->packets;
@@ -89,9 +81,7 @@ static __attribute__((noinline)) ray_set pyramid_tile(const cw_field *f, const c
     w.f = f;
     w.packets = packets;
     w.queue = room->queue;
-    w.group = room->group;
     w.first_packet = first_packet;
-    w.made = 0;
     w.queue->mirrored = 0;
     const size_t count = (n + W - 1) / W;
     ray_set alive = 0;
@@ -104,19 +94,9 @@ static __attribute__((noinline)) ray_set pyramid_tile(const cw_field *f, const c
         alive |= (ray_set)vm_bits(l->alive) << (p * W);
     }
     w.rays = alive;
-    w.several = n > GROUP;
-    const float group_cells = 16 + (float)(f->nx + f->ny) * (1.0f / 64);
-    if (!walk_together(&w, TILE_CELLS, any)) {
-        w.several = false;
-        bool shared = false;
+    if (!walk_together(&w, any)) {
         packet_set apart = 0;
-        for (size_t p = 0; p < count; p++) {
-            if (p % (GROUP / W) == 0) {
-                w.rays = group_bits(alive, p * W / GROUP);
-                shared = walk_together(&w, group_cells, any);
-            }
-            if (!shared && vm_any(packets[p].alive)) apart |= (packet_set)1 << p;
-        }
+        for (size_t p = 0; p < count; p++) apart |= (packet_set)vm_any(packets[p].alive) << p;
         walk_apart(&w, room->climbers, apart, any);
     }
     if (any) {
@@ -207,7 +187,7 @@ static __attribute__((noinline)) void pyramid_few(const cw_field *f, const cw_ra
     ready_rays ready[SOME];
     queued waiting[CW_FEW_RAYS];
     lane_queue queue = {.ready = ready, .rays = waiting};
-    pyramid_rays(&(tile_room){packets, start, climbers, NULL, &queue}, f, rays, n, any, hits, occluded);
+    pyramid_rays(&(tile_room){packets, start, climbers, &queue}, f, rays, n, any, hits, occluded);
 }
 
 static __attribute__((noinline)) void pyramid_many(const cw_field *f, const cw_ray *rays, size_t n, bool any,
@@ -215,11 +195,10 @@ static __attribute__((noinline)) void pyramid_many(const cw_field *f, const cw_r
     packet packets[PACKETS];
     vstart start[PACKETS];
     climber climbers[PACKETS];
-    fat_ray group[GROUPS];
     ready_rays ready[BATCH / W];
     queued waiting[BATCH];
     lane_queue queue = {.ready = ready, .rays = waiting};
-    pyramid_rays(&(tile_room){packets, start, climbers, group, &queue}, f, rays, n, any, hits, occluded);
+    pyramid_rays(&(tile_room){packets, start, climbers, &queue}, f, rays, n, any, hits, occluded);
 }
 
 static void CW_CODE(pyramid_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {

@@ -122,11 +122,9 @@ CW_INLINE vmask move_if_far(vstart *s, const cw_field *f, vmask alive, vstart *m
     return vm_and(alive, hopeful);
 }
 
-/* ray_init, lane by lane; returns the lanes whose rays may hit. *moved: see move_if_far. Mostly all rays are plain, which
- * takes fewer operations to see than to do without branches all that others need. */
-CW_INLINE vmask start_rays(vstart *s, const cw_field *f, const cw_ray *rays, vstart *moved) {
-    vfloat c[8];
-    vf_load_rays(rays, c);
+/* ray_init, lane by lane, from the numbers of rays; returns the lanes whose rays may hit. *moved: see move_if_far. Mostly all rays are
+ * plain, which takes fewer operations to see than to do without branches all that others need. */
+CW_INLINE vmask start_rays(vstart *s, const cw_field *f, const vfloat c[8], vstart *moved) {
     const vfloat zero = vf_set(0), least = vf_set(0x1p-128f), most = vf_set(0x1p126f);
     vmask plain = vm_set(true);
     for (int k = 0; k < 3; k++) {
@@ -149,19 +147,6 @@ CW_INLINE vmask start_rays(vstart *s, const cw_field *f, const cw_ray *rays, vst
         alive = vm_and(alive, vf_le(vf_abs(c[4 + k]), most));
     }
     return move_if_far(s, f, vm_andnot(alive, stands), moved);
-}
-
-/* The same for rays that are known to hit. */
-CW_INLINE void restart_rays(vstart *s, const cw_field *f, const vfloat c[8]) {
-    for (int k = 0; k < 3; k++) {
-        s->org[k] = c[k];
-        s->dir[k] = direction(c[4 + k]);
-    }
-    s->tmin = vf_max(c[3], vf_set(-RAY_T_LIMIT));
-    s->tmax = vf_min(c[7], vf_set(RAY_T_LIMIT));
-    vstart moved;
-    (void)move_if_far(s, f, vm_set(true), &moved);
-    if (s->moved) *s = moved;
 }
 
 /* The first n of size rays. If n < size, a copy in which the missing rays repeat the first one. */
@@ -228,7 +213,9 @@ CW_INLINE void make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
  * refine_hits. */
 CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
     vstart s;
-    vmask alive = start_rays(&s, f, rays, start);
+    vfloat c[8];
+    vf_load_rays(rays, c);
+    vmask alive = start_rays(&s, f, c, start);
     alive = vm_and(alive, make_axis(&r->x, s.org[0], s.dir[0], f->nx, s.plain));
     alive = vm_and(alive, make_axis(&r->y, s.org[1], s.dir[1], f->ny, s.plain));
     r->oz = s.org[2];

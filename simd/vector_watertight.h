@@ -22,36 +22,24 @@ typedef struct vwt {
     vfloat h00, h10, h01, h11;
 } vwt;
 
-/* The quadrant of the directions of all rays that are tested: UP_X and UP_Y added up; or MIXED, if they are of several.
- * A constant: with a known quadrant the test has fewer selects. */
-enum { QUADRANT_MIXED = -1, QUADRANT_UP_X = 1, QUADRANT_UP_Y = 2, QUADRANTS = 4 };
+/* Of a packet whose directions lie in one quadrant: a test that need not look for it in each lane has fewer selects. */
+typedef struct wt_quadrant {
+    bool one, up_x, up_y;
+} wt_quadrant;
 
-/* The borders by which the lanes enter, or by which they leave. */
-typedef struct wt_borders {
-    vmask x;             /* an x border, else a y border */
-    vmask high;          /* on its cell's high side, else on the low side; set only for a mixed quadrant */
-    bool high_x, high_y; /* the side of x borders and of y borders; for a known quadrant */
-} wt_borders;
-
-/* The samples of the edge on the border: *a at the low end of the axis along it, *b at the high end. */
-CW_INLINE void wt_edge_samples(const vwt *r, const wt_borders *e, bool mixed, vfloat *a, vfloat *b) {
-    if (mixed) {
-        *a = vf_select(e->high, vf_select(e->x, r->h10, r->h01), r->h00);
-        *b = vf_select(e->high, r->h11, vf_select(e->x, r->h01, r->h10));
-    } else if (e->high_x == e->high_y) {
-        *a = e->high_x ? vf_select(e->x, r->h10, r->h01) : r->h00;
-        *b = e->high_x ? r->h11 : vf_select(e->x, r->h01, r->h10);
+/* The height difference at t on the borders by which the lanes enter, or by which they leave: x borders in these lanes, else y
+ * borders; on their cells' high sides in high. leaves: which of the two it is, for a known quadrant. */
+CW_INLINE vfloat wt_border(const vwt *r, vfloat t, vmask x, vmask high, wt_quadrant q, bool leaves) {
+    const vfloat from = vf_select(x, r->y, r->x), dir = vf_select(x, r->dy, r->dx);
+    vfloat a, b; /* samples at the ends of the edge, in the order of the axis along it */
+    if (q.one) {
+        const bool high_x = q.up_x == leaves, high_y = q.up_y == leaves;
+        a = vf_select(x, high_x ? r->h10 : r->h00, high_y ? r->h01 : r->h00);
+        b = vf_select(x, high_x ? r->h11 : r->h01, high_y ? r->h11 : r->h10);
     } else {
-        *a = e->high_x ? vf_select(e->x, r->h10, r->h00) : vf_select(e->x, r->h00, r->h01);
-        *b = e->high_x ? vf_select(e->x, r->h11, r->h10) : vf_select(e->x, r->h01, r->h11);
+        a = vf_select(high, vf_select(x, r->h10, r->h01), r->h00);
+        b = vf_select(high, r->h11, vf_select(x, r->h01, r->h10));
     }
-}
-
-/* Height difference on the border. */
-CW_INLINE vfloat wt_border(const vwt *r, vfloat t, const wt_borders *e, bool mixed) {
-    const vfloat from = vf_select(e->x, r->y, r->x), dir = vf_select(e->x, r->dy, r->dx);
-    vfloat a, b;
-    wt_edge_samples(r, e, mixed, &a, &b);
     return vf_sub(vf_mul(t, r->dz), wt_edge(a, b, wt_within(from, dir, t)));
 }
 
@@ -71,15 +59,8 @@ static inline vmask wt_between(vfloat da, vfloat db) {
     return vm_or(vm_and(vf_ge(da, zero), vf_le(db, zero)), vm_and(vf_le(da, zero), vf_ge(db, zero)));
 }
 
-/* Lanes that enter or leave in triangle B, which is at the low x and the high y border. */
-CW_INLINE vmask wt_in_b(const wt_borders *e, bool mixed) {
-    if (mixed) return vm_xor(e->x, e->high);
-    if (e->high_x == e->high_y) return e->high_x ? vm_not(e->x) : e->x;
-    return vm_set(e->high_y);
-}
-
 /* Lanes among which the cell is hit. *find is set only if any is false. */
-CW_INLINE vmask wt_cell_in(int quadrant, const vray *ray, const vcell *c, vmask among, vfind *find) {
+CW_INLINE vmask wt_cell_in(wt_quadrant q, const vray *ray, const vcell *c, vmask among, vfind *find) {
     const vwt r = {vf_sub(ray->x.org, c->i),
                    vf_sub(ray->y.org, c->j),
                    ray->x.dir,
@@ -89,19 +70,16 @@ CW_INLINE vmask wt_cell_in(int quadrant, const vray *ray, const vcell *c, vmask 
                    above_origin(ray, c->h10),
                    above_origin(ray, c->h01),
                    above_origin(ray, c->h11)};
-    const bool mixed = quadrant == QUADRANT_MIXED;
-    const bool up_x = !mixed && quadrant & QUADRANT_UP_X, up_y = !mixed && quadrant & QUADRANT_UP_Y;
+    const vmask enter_x = vf_gt(c->x_in, c->y_in), leave_x = vf_le(c->x_out, c->y_out);
     /* Low side: entered going up, left going down. */
-    wt_borders enter = {.x = vf_gt(c->x_in, c->y_in), .high_x = !up_x, .high_y = !up_y};
-    wt_borders leave = {.x = vf_le(c->x_out, c->y_out), .high_x = up_x, .high_y = up_y};
-    if (mixed) {
-        enter.high = vm_not(vm_or(vm_and(enter.x, ray->x.up), vm_andnot(ray->y.up, enter.x)));
-        leave.high = vm_or(vm_and(leave.x, ray->x.up), vm_andnot(ray->y.up, leave.x));
-    }
-    vmask in_b = wt_in_b(&enter, mixed), out_b = wt_in_b(&leave, mixed);
+    const vmask enter_high = vm_not(vm_or(vm_and(enter_x, ray->x.up), vm_andnot(ray->y.up, enter_x)));
+    const vmask leave_high = vm_or(vm_and(leave_x, ray->x.up), vm_andnot(ray->y.up, leave_x));
+    /* Triangle B is at the low x and the high y border. */
+    vmask in_b = vm_xor(enter_x, enter_high), out_b = vm_xor(leave_x, leave_high);
     const vfloat in = vf_max(c->x_in, c->y_in), out = vf_min(c->x_out, c->y_out);
     const vmask at_in = vf_ge(in, ray->t0), at_out = vf_le(out, ray->t1);
-    vfloat da = wt_border(&r, c->t0, &enter, mixed), db = wt_border(&r, c->t1, &leave, mixed);
+    vfloat da = wt_border(&r, c->t0, enter_x, enter_high, q, false);
+    vfloat db = wt_border(&r, c->t1, leave_x, leave_high, q, true);
     /* Ranges that start or end inside a cell are rare, and both at once rarer. */
     if (vm_any(vm_andnot(among, at_in))) {
         vmask start_b;
@@ -130,17 +108,9 @@ CW_INLINE vmask wt_cell_in(int quadrant, const vray *ray, const vcell *c, vmask 
     return found;
 }
 
-/* The same for lanes of any directions. An object whose walks have registers enough for the test within them defines
- * INLINE_WATERTIGHT as 1. */
-#ifndef INLINE_WATERTIGHT
-#define INLINE_WATERTIGHT 0
-#endif
-static __attribute__((noinline)) vmask wt_cell_apart(const vray *ray, const vcell *c, vmask among, vfind *find) {
-    return wt_cell_in(QUADRANT_MIXED, ray, c, among, find);
-}
-CW_INLINE vmask wt_cell(const vray *ray, const vcell *c, vmask among, vfind *find) {
-    if (INLINE_WATERTIGHT) return wt_cell_in(QUADRANT_MIXED, ray, c, among, find);
-    return wt_cell_apart(ray, c, among, find);
+/* The same for lanes of any directions. Not inlined: the walks have no registers left for it. */
+static __attribute__((noinline)) vmask wt_cell(const vray *ray, const vcell *c, vmask among, vfind *find) {
+    return wt_cell_in((wt_quadrant){0}, ray, c, among, find);
 }
 
 #endif

@@ -66,36 +66,6 @@ static inline void to_quarters(__m512 r, __m128 q[4]) {
     q[3] = _mm512_extractf32x4_ps(r, 3);
 }
 
-static inline void store_quarters(float *to, const __m512 r[6]) {
-    __m512 ab[2], cd[2], ef[2]; /* quarters 0 and 1; 2 and 3 */
-    ab[0] = _mm512_shuffle_f32x4(r[0], r[1], 0x44);
-    ab[1] = _mm512_shuffle_f32x4(r[0], r[1], 0xee);
-    cd[0] = _mm512_shuffle_f32x4(r[2], r[3], 0x44);
-    cd[1] = _mm512_shuffle_f32x4(r[2], r[3], 0xee);
-    ef[0] = _mm512_shuffle_f32x4(r[4], r[5], 0x44);
-    ef[1] = _mm512_shuffle_f32x4(r[4], r[5], 0xee);
-    for (int h = 0; h < 2; h++, to += 48) {
-        const __m512 last = _mm512_shuffle_f32x4(ef[h], ef[h], 0xd8);
-        _mm512_storeu_ps(to, _mm512_shuffle_f32x4(ab[h], cd[h], 0x88));
-        _mm256_storeu_ps(to + 16, _mm512_castps512_ps256(last));
-        _mm512_storeu_ps(to + 24, _mm512_shuffle_f32x4(ab[h], cd[h], 0xdd));
-        _mm256_storeu_ps(to + 40, _mm512_extractf32x8_ps(last, 1));
-    }
-}
-
-/* A pair as one gathered double: half the loads. In pairs of registers, 8-byte loads
- * put together by shuffles, as for AVX2: faster for the lane walk, slower for packet16. */
-#if REGISTERS == 1
-CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, float_reg *first, float_reg *second) {
-    const __m512i safe = ri_where(m, index).v;
-    const __m512 a = _mm512_castpd_ps(_mm512_i32gather_pd(_mm512_castsi512_si256(safe), base, sizeof(float)));
-    const __m512 b = _mm512_castpd_ps(_mm512_i32gather_pd(_mm512_extracti64x4_epi64(safe, 1), base, sizeof(float)));
-    const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-    first->v = _mm512_permutex2var_ps(a, even, b);
-    second->v = _mm512_permutex2var_ps(a, _mm512_add_epi32(even, _mm512_set1_epi32(1)), b);
-}
-#endif
-
 static inline mask_reg rm_set(bool a) { return (mask_reg){(__mmask16)(a ? 0xffff : 0)}; }
 
 static inline double_reg rd_from_rf(float_reg a, int k) {

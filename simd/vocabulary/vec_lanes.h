@@ -16,6 +16,8 @@ typedef struct lane_indices {
 } lane_indices;
 static inline lane_indices lanes_out(int_reg index, mask_reg m);
 static inline int_reg ri_set(int32_t a);
+static inline float_reg rf_min(float_reg a, float_reg b);
+static inline void rf_store(float *to, float_reg a);
 static inline int_reg ri_where(mask_reg m, int_reg a);
 
 static inline float_reg rf_flip(float_reg a, float_reg sign) {
@@ -56,6 +58,20 @@ static inline float_reg rf_load_block(const float *row, ptrdiff_t step, size_t k
     const float *at[W / 4];
     for (size_t h = 0; h < W / 4; h++) at[h] = row + (ptrdiff_t)(k * (W / 4) + h) * step;
     return rf_load_quarters(at, 1);
+}
+
+/* By fours: the minima of transposes, and of their quarters. */
+CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
+    for (int k = 0; k < 16; k += 4) {
+        float_reg r[4];
+        float lowest[W];
+        transpose(a + k, r);
+        rf_store(lowest, rf_min(rf_min(r[0], r[1]), rf_min(r[2], r[3])));
+        for (int c = 0; c < 4; c++) {
+            out[k + c] = lowest[c];
+            for (int q = 4; q < W; q += 4) out[k + c] = lowest[q + c] < out[k + c] ? lowest[q + c] : out[k + c];
+        }
+    }
 }
 
 #endif

@@ -136,14 +136,6 @@ CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v
     }
 }
 
-/* By fours, neighbours at a time. */
-CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
-    for (int k = 0; k < 16; k += 4) {
-        const float32x4_t ab = vpminq_f32(a[k].v, a[k + 1].v), cd = vpminq_f32(a[k + 2].v, a[k + 3].v);
-        vst1q_f32(out + k, vpminq_f32(ab, cd));
-    }
-}
-
 typedef struct double_reg {
     float64x2_t v;
 } double_reg;

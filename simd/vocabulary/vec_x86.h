@@ -82,23 +82,9 @@ static inline float_reg rf_load_quarters(const float *const *at, size_t step) {
     return of_quarters(q);
 }
 
-#if W < 16
-/* Quarter q of r[k] to place 6 q + k. */
-static inline void store_quarters(float *to, const F32 r[6]) {
-    for (int k = 0; k < 6; k++) {
-        __m128 q[W / 4];
-        to_quarters(r[k], q);
-        for (int h = 0; h < W / 4; h++) _mm_storeu_ps(to + 24 * h + 4 * k, q[h]);
-    }
-}
-#else
-static inline void store_quarters(float *to, const F32 r[6]);
-#endif
-
 /* Each pair as one 8-byte load; shuffles then separate the two floats. CPUs that split a gather into dozens of
- * operations take less time for both vectors this way than for one gather. An integer load: _mm_load_sd would claim that a double
+ * operations take less time for both vectors this way than for one gather. So do those with AVX-512. An integer load: _mm_load_sd would claim that a double
  * lies there, aligned. */
-#if W < 16 || REGISTERS == 2
 CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, float_reg *first, float_reg *second) {
     const lane_indices at = lanes_out(index, m);
     __m128 q[2][W / 4]; /* lanes 4 h and 4 h + 1; the two after them */
@@ -110,7 +96,6 @@ CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, flo
     first->v = X(shuffle_ps)(low, high, 0x88);
     second->v = X(shuffle_ps)(low, high, 0xdd);
 }
-#endif
 
 /* Members in pairs of two; a hit is three pairs, four hits are quarters of six registers. */
 CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v, float_reg i, float_reg j,
@@ -126,18 +111,10 @@ CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v
         r[3 * half + 1] = (F32)X(shuffle_pd)(uv, ti, SECOND_FIRST);
         r[3 * half + 2] = (F32)X(unpackhi_pd)(jb, uv);
     }
-    store_quarters((float *)hits, r);
-}
-
-/* By fours: transposes, of which minima are taken, and the minima of their quarters. */
-CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
-    for (int k = 0; k < 16; k += 4) {
-        float_reg r[4];
+    for (int k = 0; k < 6; k++) {
         __m128 q[W / 4];
-        transpose(a + k, r);
-        to_quarters(rf_min(rf_min(r[0], r[1]), rf_min(r[2], r[3])).v, q);
-        for (int h = 1; h < W / 4; h++) q[0] = _mm_min_ps(q[0], q[h]);
-        _mm_storeu_ps(out + k, q[0]);
+        to_quarters(r[k], q);
+        for (int h = 0; h < W / 4; h++) _mm_storeu_ps((float *)hits + 24 * h + 4 * k, q[h]);
     }
 }
 

@@ -2,7 +2,6 @@
 #include "field.h"
 
 #include "affine.h"
-#include "clock.h"
 #include "fpenv.h"
 #include "kernels.h"
 #include "memory.h"
@@ -103,10 +102,7 @@ static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_run *how)
 /* What run's kernel needs beside the bounds. */
 static cw_status build_guest(cw_field *f, const cw_run *how) {
     if (how->expert.kernel == NULL || how->expert.kernel->build == NULL || f->guest.structure != NULL) return CW_OK;
-    const double start = clock_seconds();
-    const cw_status status = how->expert.kernel->build(f);
-    f->build_seconds += clock_seconds() - start;
-    return status;
+    return how->expert.kernel->build(f);
 }
 
 static void destroy_guest(cw_field *f) {
@@ -127,9 +123,7 @@ static cw_status fill(cw_field *f, const cw_field_desc *desc, const cw_run *whol
         part = (run_part){whole, part.end, 1};
     }
     if (status != CW_OK) return status;
-    const double start = clock_seconds();
     status = cw_pyramid_build(f, &first);
-    f->build_seconds = clock_seconds() - start;
     return status == CW_OK ? build_guest(f, whole) : status;
 }
 
@@ -285,8 +279,6 @@ void cw_field_describe_into(const cw_field *field, cw_field_info *info, size_t s
     memcpy(all.map, field->to_user, sizeof all.map);
     cw_fill(info, size, &all, sizeof all);
 }
-
-double cw_field_build_seconds(const cw_field *field) { return field->build_seconds; }
 
 const float *cw_field_row(const cw_field *field, size_t j) {
     return j < field->ny ? field->z + j * field->stride : NULL;

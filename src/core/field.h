@@ -31,7 +31,6 @@ struct cw_field {
     struct cw_pyramid *pyramid; /* its bounds */
     cw_guest guest;
     cw_allocator memory; /* of the field and all that is made from it */
-    double build_seconds;
 
     double to_normals[3][4]; /* to_field for vectors whose length counts for nothing: neither tiny nor huge */
     door door;               /* queries that run, and updates */
