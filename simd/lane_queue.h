@@ -98,9 +98,7 @@ typedef struct lane_set {
 void CW_CODE(lane_write)(lane_answers *a, const cw_field *f);
 /* lane_walk in vectors of two registers (lane_pairs_kernel.c). */
 void CW_CODE(lane_pairs)(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers);
-/* Walks the ray in a lane to its end (close_walk.h), in a field of at least CLOSE_LEVELS levels. True if it hits: then find is
- * set. */
-enum { CLOSE_LEVELS = 3 };
-bool CW_CODE(close_walk)(const cw_field *f, const lane_set *l, size_t lane, float find[FOUND_NUMBERS]);
+/* Walks a ray from t on to its end (one_kernel.c). True if it hits: then find is set. */
+bool CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, float find[FOUND_NUMBERS]);
 
 #endif

@@ -322,12 +322,12 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, lane_answers *
     const vint age = vi_sub(vi_set(l->clock), vi_load(l->born));
     const vmask young = vi_eq(vi_shift_right(age, vi_set(few ? LATE_SHIFT_OF_FEW : LATE_SHIFT)), vi_set(0));
     unsigned late = ~vm_bits(young) & l->living;
-    if (late == 0 || f->pyramid->levels < CLOSE_LEVELS) return;
     l->living &= ~late;
     for (; late != 0; late &= late - 1) {
         const size_t lane = (size_t)__builtin_ctz(late);
         float find[FOUND_NUMBERS];
-        if (CW_CODE(close_walk)(f, l, lane, find)) one_found(answers, f, l->ray[lane], find);
+        if (CW_CODE(one_late)(f, &answers->rays[l->ray[lane]], l->t[lane], find))
+            one_found(answers, f, l->ray[lane], find);
     }
 }
 

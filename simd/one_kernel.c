@@ -1,19 +1,30 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One ray over the pyramid, for calls of few rays. Lanes are places: the 16 children of a node, or the 16 cells of a block, are tested at
- * once (children.h), by the gate's own operations. So a level costs one chain of operations and one branch that is hard to foretell.
+/* One ray over the pyramid, for calls of few rays, and for rays that keep a lane for long (lane_walk.h). Lanes are places: the
+ * 16 children of a node, or the 16 cells of a block, are tested at once (children.h), by the gate's own operations. So a level
+ * costs one chain of operations and one branch that is hard to foretell.
  *
- * The walk opens a node: it finds the children that the ray meets. It goes down into the nearest, and up when none is left. If the ray begins
- * near the ground, the walk begins at its block: mostly no node above need be opened, and those that must be do not depend on each other.
- * Else it begins at the top.
+ * The walk opens a node: it finds the children that the ray meets. It goes down into the nearest, and up when none is left. If
+ * the ray begins near the ground, the walk begins at its block: mostly no node above need be opened, and those that must be do
+ * not depend on each other. Else it begins at the top.
  *
- * Invariant: at each level what the ray meets is opened from front to back, and all before the first node opened is behind the ray, so the
- * first cell found is the first one hit. Rejected: slabs, which for one ray take longer than the nodes that they save. */
+ * A ray that opens many nodes runs beside a surface as a rule, nearer than bounds can tell. Then nodes are also judged by
+ * slabs, in double, which are wider than their samples only by what the leaf test's own rounding needs this far from the ray's
+ * origin.
+ *
+ * Invariant: at each level what the ray meets is opened from front to back, and all before the first node opened is behind the
+ * ray, so the first cell found is the first one hit. A slab passes over a node only if the leaf test's sign is strict on all of
+ * it; papers/numerics.md derives how wide it has to be for that. Rejected: slabs for each ray, which take longer than the nodes
+ * that they save; all lanes on the columns of a ray that is beside a surface (papers/walks.md). */
 
 #include "../src/scalar/strict.h"
 #include "children.h"
 #include "kernels.h"
+#include "lane_queue.h"
 #include "pyramid.h"
 #include "vector_watertight.h"
+
+#include <float.h>
+#include <string.h>
 
 /* The ray in all lanes, mirrored so that it goes up along both axes, which no operation rounds differently. */
 typedef struct one_lanes {
@@ -68,7 +79,8 @@ static inline bool test_block(const one_lanes *a, const vray *r, const cw_field 
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     const float *row = first_row(a->up_y, s.z, s.stride);
     const ptrdiff_t step = row_step(a->up_y, s.stride);
-    for (size_t k = 0; k < CHILD_VECTORS; k++) {
+    for (size_t n = 0; n < CHILD_VECTORS; n++) {
+        const size_t k = W == 1 && !a->up_x ? n ^ 3 : n; /* front to back */
         const one_children at = children_of(a, x, y, 1, k);
         vcell c;
         c.x_in = at.x_in, c.y_in = at.y_in, c.x_out = at.x_out, c.y_out = at.y_out;
@@ -98,14 +110,51 @@ static inline bool test_block(const one_lanes *a, const vray *r, const cw_field 
     return false;
 }
 
+/* True if the ray hits nothing in node (x, y) of a level. */
+static inline bool slab_misses(const strict_ray *r, const cw_field *f, int level, int32_t x, int32_t y) {
+    const struct cw_pyramid *p = f->pyramid;
+    const int32_t side = (int32_t)4 << 2 * level;
+    const cw_pyramid_slab *s =
+        &p->slab[(size_t)p->first[level + 1] + (size_t)y * cw_pyramid_across(f, level) + (size_t)x];
+    const float *bounds = cw_pyramid_node(&p->level[level], (size_t)x, (size_t)y);
+    if (!(s->low <= s->high)) return true;
+    const strict_axis *const axis[2] = {&r->x, &r->y};
+    const int32_t corner[2] = {x * side, y * side};
+    float t0 = r->from, t1 = r->until;
+    for (int c = 0; c < 2; c++) {
+        const bool up = axis[c]->step > 0;
+        t0 = max_second(t0, strict_crossing(axis[c], (float)(corner[c] + (up ? 0 : side))));
+        t1 = min_second(t1, strict_crossing(axis[c], (float)(corner[c] + (up ? side : 0))));
+    }
+    const double u = (double)(FLT_EPSILON / 2), low = (double)s->low, high = (double)s->high, half = 0.5 * side;
+    const double oz = (double)r->oz, dz = (double)r->dz, a = (double)s->slope_x, b = (double)s->slope_y;
+    const double dx = (double)r->x.dir, dy = (double)r->y.dir;
+    const double px = (double)r->x.org - (corner[0] + half), py = (double)r->y.org - (corner[1] + half);
+    const double steep = fabs(a) + fabs(b), sigma = steep + (high - low),
+                 absolute = max_second_d(fabs(low), fabs(high));
+    /* Slabs with a slope have been set outward for rays from anywhere (cw_slab_outward). That is taken back, and replaced by
+     * the width that this ray needs here. */
+    const double k = (double)SLAB_ROUNDING * 2 * (double)(f->nx + f->ny);
+    const double wide = steep > 0 ? k / (1 + 2 * k) * (1 - 0x1p-20) * max_second_d(0, sigma - 2 * u * absolute) : 0;
+    const double away = fabs(px) + fabs(py) + 2 * half + 2;
+    const double heights = max_second_d(fabs((double)bounds[0] - oz), fabs((double)bounds[16] - oz));
+    const double least = (double)FLT_MIN * (1 + fabs((double)t0) + fabs((double)t1) +
+                                            0x1p-14 * (fabs(dz) + sigma * (fabs(dx) + fabs(dy))));
+    const double pad = 1.001 * u * (sigma * (8 * away + 2 * side) + 4 * (heights + absolute)) + least - wide;
+    const double o = oz - (a * px + b * py), rate = dz - (a * dx + b * dy);
+    const double d0 = o + (double)t0 * rate, d1 = o + (double)t1 * rate;
+    return min_second_d(d0, d1) > high + pad || max_second_d(d0, d1) < low - pad;
+}
+
 static inline void spread_axis(vaxis *v, const strict_axis *a) {
     v->org = vf_set(a->org);
     v->dir = vf_set(a->dir);
     v->up = vm_set(a->step > 0);
 }
 
-/* cw_one4, cw_one8 or cw_one16. */
-cw_one_end CW_CODE(one)(const cw_field *f, const strict_ray *ray, int32_t i, int32_t j, bool low, cw_one_find *found) {
+/* opens: nodes until slabs judge, too. */
+static __attribute__((noinline)) bool walk_one(const cw_field *f, const strict_ray *ray, int32_t i, int32_t j, bool low,
+                                               int opens, cw_one_find *found) {
     const struct cw_pyramid *p = f->pyramid;
     vray r;
     spread_axis(&r.x, &ray->x);
@@ -128,20 +177,22 @@ cw_one_end CW_CODE(one)(const cw_field *f, const strict_ray *ray, int32_t i, int
     a.from = vf_set(ray->from);
     a.until = vf_set(ray->until);
     unsigned mask = 0, done = 0, todo[PYRAMID_LEVELS_MAX];
-    int level = p->levels - 1, left = ONE_OPENS; /* -1: cells */
+    int level = p->levels - 1, left = opens; /* -1: cells */
     int32_t x = 0, y = 0;
     if (low) level = -1, x = i >> 2, y = j >> 2;
     int top = level;
     for (;;) {
         if (level < 0) {
-            if (test_block(&a, &r, f, x, y, found)) return CW_ONE_FOUND;
+            if (test_block(&a, &r, f, x, y, found)) return true;
             mask = 0;
         } else {
-            mask = open_node(&a, &r, &p->level[level], x, y) & ~done;
+            const bool judged = left == 0 && level + 1 < p->levels;
+            mask =
+                judged && slab_misses(ray, f, level + 1, x, y) ? 0 : open_node(&a, &r, &p->level[level], x, y) & ~done;
             done = 0;
         }
         while (mask == 0) {
-            if (++level == p->levels) return CW_ONE_MISSES;
+            if (++level == p->levels) return false;
             const int own = ((y & 3) ^ flip_y) << 2 | ((x & 3) ^ flip_x);
             x >>= 2;
             y >>= 2;
@@ -153,10 +204,29 @@ cw_one_end CW_CODE(one)(const cw_field *f, const strict_ray *ray, int32_t i, int
             mask = todo[level];
         }
         if (mask == 0) continue;
-        if (--left < 0) return CW_ONE_LONG;
+        left -= left > 0;
         const int32_t place = __builtin_ctz(mask);
         todo[level--] = mask & (mask - 1);
         x = 4 * x + ((place & 3) ^ flip_x);
         y = 4 * y + ((place >> 2) ^ flip_y);
     }
+}
+
+/* cw_one1, cw_one4, cw_one8 or cw_one16. */
+bool CW_CODE(one)(const cw_field *f, const strict_ray *ray, int32_t i, int32_t j, bool low, cw_one_find *found) {
+    enum { OPENS = 48 };
+    return walk_one(f, ray, i, j, low, OPENS, found);
+}
+
+bool CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, float find[FOUND_NUMBERS]) {
+    strict_ray r;
+    cw_one_find at;
+    if (!strict_ray_init(&r, f, ray, CW_LEAF_WATERTIGHT)) return false;
+    r.from = max_second(t, r.from);
+    if (!walk_one(f, &r, 0, 0, false, 0, &at)) return false;
+    const float *row = f->z + (size_t)at.j * f->stride + (size_t)at.i, *corner = at.b ? row + f->stride : row + 1;
+    const float numbers[FOUND_NUMBERS] = {at.t0,  at.t1,   (float)at.i,        (float)at.j,
+                                          row[0], *corner, row[f->stride + 1], at.b ? 1 : 0};
+    memcpy(find, numbers, sizeof numbers);
+    return true;
 }

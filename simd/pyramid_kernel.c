@@ -10,7 +10,6 @@
  * gate. Rejected variants are beside the steps that they would replace. */
 
 #include "climb.h"
-#include "close_walk.h"
 #include "kernels.h"
 #include "lane_walk.h"
 #include "shared_walk.h"

@@ -41,24 +41,26 @@ static inline bool mt_find(const strict_ray *r, const strict_cell *c, strict_fin
     return true;
 }
 
+typedef enum walk_end { WALK_MISSES, WALK_FINDS, WALK_GOES_ON } walk_end;
+
 /* From cell (i, j) on, at most so many cells, 0 for all; (*i, *j) is then the next one. c is the cell of a find. */
-static inline __attribute__((always_inline)) cw_one_end walk_cells(const cw_field *f, const strict_ray *r, size_t *i,
-                                                                   size_t *j, int most, cw_leaf leaf, strict_cell *c,
-                                                                   strict_find *find) {
+static inline __attribute__((always_inline)) walk_end walk_cells(const cw_field *f, const strict_ray *r, size_t *i,
+                                                                 size_t *j, int most, cw_leaf leaf, strict_cell *c,
+                                                                 strict_find *find) {
     for (int k = 0; most == 0 || k < most; k += most != 0) { /* at most nx + ny turns: none goes back on an axis */
         if (strict_gate(c, r, f, *i, *j) && (leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, find) : mt_find(r, c, find)))
-            return CW_ONE_FOUND;
+            return WALK_FINDS;
         const bool in_x = c->x_out <= c->y_out;
-        if ((in_x ? c->x_out : c->y_out) > r->until) return CW_ONE_MISSES;
+        if ((in_x ? c->x_out : c->y_out) > r->until) return WALK_MISSES;
         if (in_x) {
             *i += (size_t)(ptrdiff_t)r->x.step; /* below 0 it wraps, beyond every field */
-            if (*i >= f->nx - 1) return CW_ONE_MISSES;
+            if (*i >= f->nx - 1) return WALK_MISSES;
         } else {
             *j += (size_t)(ptrdiff_t)r->y.step;
-            if (*j >= f->ny - 1) return CW_ONE_MISSES;
+            if (*j >= f->ny - 1) return WALK_MISSES;
         }
     }
-    return CW_ONE_LONG;
+    return WALK_GOES_ON;
 }
 
 /* ---- the kernel cell --------------------------------------------------------------------------------------------- */
@@ -72,7 +74,7 @@ static inline void trace_cells(const cw_field *f, const cw_ray *rays, size_t n, 
         bool found = strict_ray_init(&r, f, &rays[k], leaf);
         if (found) {
             size_t i = first_cell(&r.x, r.from, f->nx - 1), j = first_cell(&r.y, r.from, f->ny - 1);
-            found = walk_cells(f, &r, &i, &j, 0, leaf, &c, &find) == CW_ONE_FOUND;
+            found = walk_cells(f, &r, &i, &j, 0, leaf, &c, &find) == WALK_FINDS;
         }
         if (hits == NULL)
             occluded[k] = found;
@@ -117,23 +119,23 @@ static inline void find_hit(const cw_field *f, const strict_ray *r, const cw_one
     *hit = refine_hit(&r->start, &c, &(strict_find){found->t0, found->t1, found->b});
 }
 
-static __attribute__((noinline)) cw_one_end one_walk(const cw_field *f, const strict_ray *r, cw_one_fn *wide,
-                                                     cw_hit *hit) {
+static __attribute__((noinline)) walk_end one_walk(const cw_field *f, const strict_ray *r, cw_one_fn *wide,
+                                                   cw_hit *hit) {
     size_t i = cell_at(&r->x, r->from, f->nx), j = cell_at(&r->y, r->from, f->ny);
     const float height = r->from * r->dz - (f->z[j * f->stride + i] - r->oz);
     const float speed = fabsf(r->x.dir) + fabsf(r->y.dir);
     if (height >= 0 && height * speed <= ONE_CELLS * -r->dz) {
         strict_cell c;
         strict_find find;
-        const cw_one_end end = walk_cells(f, r, &i, &j, ONE_CELLS, CW_LEAF_WATERTIGHT, &c, &find);
-        if (end == CW_ONE_FOUND && hit) *hit = refine_hit(&r->start, &c, &find);
-        if (end != CW_ONE_LONG) return end;
+        const walk_end end = walk_cells(f, r, &i, &j, ONE_CELLS, CW_LEAF_WATERTIGHT, &c, &find);
+        if (end == WALK_FINDS && hit) *hit = refine_hit(&r->start, &c, &find);
+        if (end != WALK_GOES_ON) return end;
     }
-    if (wide == NULL) return CW_ONE_LONG;
+    if (wide == NULL) return WALK_GOES_ON;
     cw_one_find found;
-    const cw_one_end end = wide(f, r, (int32_t)i, (int32_t)j, fabsf(height) <= ONE_LOW, &found);
-    if (end == CW_ONE_FOUND && hit) find_hit(f, r, &found, hit);
-    return end;
+    if (!wide(f, r, (int32_t)i, (int32_t)j, fabsf(height) <= ONE_LOW, &found)) return WALK_MISSES;
+    if (hit) find_hit(f, r, &found, hit);
+    return WALK_FINDS;
 }
 
 /* A cell or more beside the field, or above all of it, and going no nearer: whatever follows would find a miss. So far away no product or
@@ -150,13 +152,13 @@ static inline bool is_past(const cw_field *f, const cw_ray *ray) {
 bool cw_one(const cw_field *f, cw_one_fn *wide, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     for (size_t k = 0; k < n; k++) {
         strict_ray r;
-        cw_one_end end = CW_ONE_MISSES;
+        walk_end end = WALK_MISSES;
         if (!is_past(f, &rays[k]) && strict_ray_init(&r, f, &rays[k], CW_LEAF_WATERTIGHT))
             end = one_walk(f, &r, wide, hits ? &hits[k] : NULL);
-        if (end == CW_ONE_LONG) return false;
+        if (end == WALK_GOES_ON) return false;
         if (hits == NULL) {
-            occluded[k] = end == CW_ONE_FOUND;
-        } else if (end == CW_ONE_MISSES) { /* not by miss(), which compilers make elsewhere and copy */
+            occluded[k] = end == WALK_FINDS;
+        } else if (end == WALK_MISSES) { /* not by miss(), which compilers make elsewhere and copy */
             hits[k].t = INFINITY;
             hits[k].i = hits[k].j = -1;
             hits[k].triangle = 0;

@@ -14,18 +14,15 @@ typedef void cw_trace_fn(const cw_field *field, const cw_ray *rays, size_t n, cw
 /* The same for few rays, with the watertight test; false if another walk is better, and then answers are unspecified. */
 typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
-/* The walk of one ray over the pyramid from cell (i, j) on, which is low above the ground or not. CW_ONE_LONG: it has opened ONE_OPENS
- * nodes, so it runs beside a surface, which the close walk of the pyramid kernels is made for. */
+/* The walk of one ray over the pyramid from cell (i, j) on, which is low above the ground or not. */
 struct strict_ray;
-enum { ONE_OPENS = 48 };
 typedef struct cw_one_find {
     int32_t i, j; /* the cell */
     float t0, t1; /* see strict_find */
     bool b;
 } cw_one_find;
-typedef enum cw_one_end { CW_ONE_MISSES, CW_ONE_FOUND, CW_ONE_LONG } cw_one_end;
-typedef cw_one_end cw_one_fn(const cw_field *field, const struct strict_ray *ray, int32_t i, int32_t j, bool low,
-                             cw_one_find *found);
+typedef bool cw_one_fn(const cw_field *field, const struct strict_ray *ray, int32_t i, int32_t j, bool low,
+                       cw_one_find *found);
 
 /* Samples i to i_end, j to j_end of a rectangle, without the ends: see heading.h. */
 struct cw_heading_job;
@@ -79,7 +76,7 @@ extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
 cw_short_fn cw_short4, cw_short8;
 extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
 
-cw_one_fn cw_one4, cw_one8, cw_one16; /* simd/one_kernel.c */
+cw_one_fn cw_one1, cw_one4, cw_one8, cw_one16; /* simd/one_kernel.c */
 
 /* simd/heading_kernel.c, simd/to_field_kernel.c */
 cw_heading_fn cw_heading1, cw_heading4, cw_heading8, cw_heading16;
