@@ -20,7 +20,7 @@ enum { RAYS_MAX = 140000, JUNK = 16 };
 
 static path paths[PATHS_MAX];
 static size_t path_count;
-static float *samples;
+static float samples[GROUND_SAMPLES];
 static test_field shape;
 static cw_ray rays[RAYS_MAX + JUNK];
 static cw_hit expected[RAYS_MAX], hits[RAYS_MAX];
@@ -244,13 +244,6 @@ static void test_row(void **state) {
 static int set_up(void **state) {
     (void)state;
     path_count = paths_find(paths);
-    samples = malloc(sizeof *samples * GROUND_SAMPLES);
-    return samples ? 0 : -1;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    free(samples);
     return 0;
 }
 
@@ -259,5 +252,5 @@ int main(int argc, char **argv) {
     for (size_t k = 0; k < ROWS; k++)
         tests[k] =
             (struct CMUnitTest){.name = table[k].name, .test_func = test_row, .initial_state = (void *)&table[k]};
-    return rows_run("lanes", tests, ROWS, argc, argv, set_up, tear_down);
+    return rows_run("lanes", tests, ROWS, argc, argv, set_up, NULL);
 }

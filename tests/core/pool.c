@@ -8,7 +8,6 @@
 #include "rays.h"
 
 #include <pthread.h>
-#include <semaphore.h>
 #include <stdatomic.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -284,109 +283,39 @@ static void each_call_is_watched(void **state) {
 
 /* ---- processes that fork ------------------------------------------------------------------------------------------- */
 
-/* A child must end soon, and with status 0. */
-static void check_child(int (*run)(void)) {
-    const pid_t child = fork();
-    if (child == 0) {
-        alarm(LIMIT_SECONDS / 2);
-        _exit(run());
-    }
-    int status = -1;
-    check(child > 0 && waitpid(child, &status, 0) == child && status == 0, "the child ended with %#x",
-          (unsigned)status);
-}
-
-static void skip_under_thread_sanitizer(void) {
-#ifdef __SANITIZE_THREAD__
-    skip(); /* its runtime does not go on in the child of a process with threads */
-#endif
-}
-
-static caller other = {.number = 1, .rounds = 1};
-
-static int go_on_with_pool(void) {
-    ask(&other);
-    cw_pool_destroy(other.pool);
-    return other.wrong > 0;
-}
-
 /* A child has none of its parent's threads, and goes on with the pool alone. It is forked while another thread has the helpers, whose state
  * the child inherits. */
 static void pools_outlive_a_fork(void **state) {
     (void)state;
-    skip_under_thread_sanitizer();
-    check_status(cw_pool_create(THREADS, &other.pool), CW_OK);
-    caller busy = {.pool = other.pool, .rounds = test_share(40, 4)};
+    cw_pool *pool;
+#ifdef __SANITIZE_THREAD__
+    skip(); /* its runtime does not go on in the child of a process with threads */
+#endif
+    check_status(cw_pool_create(THREADS, &pool), CW_OK);
+    caller busy = {.pool = pool, .rounds = test_share(40, 4)}, other = {.pool = pool, .number = 1, .rounds = 1};
     assert_int_equal(pthread_create(&busy.thread, NULL, ask, &busy), 0);
-    for (int k = 0; k < 20; k++) check_child(go_on_with_pool);
+    for (int k = 0; k < 20; k++) {
+        const pid_t child = fork();
+        if (child == 0) {
+            alarm(LIMIT_SECONDS / 2);
+            ask(&other);
+            cw_pool_destroy(pool);
+            _exit(other.wrong > 0);
+        }
+        int status = -1;
+        check(child > 0 && waitpid(child, &status, 0) == child && status == 0, "a child ended with %#x",
+              (unsigned)status);
+    }
     assert_int_equal(pthread_join(busy.thread, NULL), 0);
     check(busy.wrong == 0, "%zu wrong answers in the parent", busy.wrong);
-    cw_pool_destroy(other.pool);
-}
-
-static sem_t inside, go_on;
-
-static bool stay_inside(void *context, double done) {
-    (void)done;
-    if (atomic_exchange((atomic_bool *)context, false)) {
-        sem_post(&inside);
-        sem_wait(&go_on);
-    }
-    return true;
-}
-
-static void *ask_and_stay(void *argument) {
-    const cw_run run = {.watch = stay_inside, .watch_context = argument};
-    return cw_closest(field, &run, rays, RAYS, got[0]) == CW_OK ? argument : NULL;
-}
-
-static bool update_has(cw_status status) {
-    return cw_field_update(field, NULL, &(cw_update){.at = {1, 1, 1, 1}}) == status;
-}
-
-/* Some threads are in a query, which one of them found empty. How much of their answers, and of updates meanwhile and after them, is wrong. */
-static int ask_in(int threads, void (*meanwhile)(void)) {
-    pthread_t thread[40];
-    atomic_bool first[40];
-    for (int k = 0; k < threads; k++) {
-        atomic_init(&first[k], true);
-        if (pthread_create(&thread[k], NULL, ask_and_stay, &first[k]) != 0) return 1;
-        sem_wait(&inside);
-    }
-    int wrong = !update_has(CW_ERROR_BUSY);
-    if (meanwhile) meanwhile();
-    wrong += !update_has(CW_ERROR_BUSY);
-    for (int k = 0; k < threads; k++) sem_post(&go_on);
-    for (int k = 0; k < threads; k++) {
-        void *good = NULL;
-        wrong += pthread_join(thread[k], &good) != 0 || good == NULL;
-    }
-    return wrong + !update_has(CW_OK);
-}
-
-static int go_on_with_field(void) {
-    if (!update_has(CW_OK)) return 100;
-#ifdef TEST_IN_EMULATOR
-    return 0;
-#endif
-    return ask_in(2, NULL);
-}
-static void fork_with_field(void) { check_child(go_on_with_field); }
-
-/* Queries of the parent's other threads do not run in a child, and keep no update out. Those of the child's own do. */
-static void fields_outlive_a_fork(void **state) {
-    (void)state;
-    skip_under_thread_sanitizer();
-    assert_int_equal(sem_init(&inside, 0, 0) | sem_init(&go_on, 0, 0), 0);
-    assert_int_equal(ask_in(40, fork_with_field), 0); /* so many that some share a counter */
+    cw_pool_destroy(pool);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(callers_at_once),       cmocka_unit_test(work_within_work),
-        cmocka_unit_test(each_item_once),        cmocka_unit_test(no_function_is_a_cancellation_point),
-        cmocka_unit_test(each_call_is_watched),  cmocka_unit_test(pools_outlive_a_fork),
-        cmocka_unit_test(fields_outlive_a_fork),
+        cmocka_unit_test(callers_at_once),      cmocka_unit_test(work_within_work),
+        cmocka_unit_test(each_item_once),       cmocka_unit_test(no_function_is_a_cancellation_point),
+        cmocka_unit_test(each_call_is_watched), cmocka_unit_test(pools_outlive_a_fork),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

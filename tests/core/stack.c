@@ -97,13 +97,10 @@ static int set_up(void **state) {
         rays[TOGETHER][k] = (cw_ray){.org = {50 + 0.1f * (float)(k % 64), 50, 300},
                                      .dir = {0.1f, 0.2f, -1 - 0.001f * (float)(k % 64)},
                                      .tmax = INFINITY};
+        const float far = (float)(LONGEST / 1700 * k), high = far * 0x1p-10f + 0x1p-11f;
+        rays[FAR_ALONG][k] = (cw_ray){.org = {far, 0.5f, high}, .dir = {1, 0, 0x1p-10f}, .tmax = 2000};
+        for (int kind = 0; kind < KINDS; kind++) user_rays[kind][k] = ray_for_user(&rays[kind][k]);
     }
-    for (size_t k = 0; k < RAYS; k++) {
-        const float x = (float)(LONGEST / 1700 * k);
-        rays[FAR_ALONG][k] = (cw_ray){.org = {x, 0.5f, x * 0x1p-10f + 0x1p-11f}, .dir = {1, 0, 0x1p-10f}, .tmax = 2000};
-    }
-    for (size_t k = 0; k < KINDS * RAYS; k++)
-        user_rays[k % KINDS][k / KINDS] = ray_for_user(&rays[k % KINDS][k / KINDS]);
     return 0;
 }
 

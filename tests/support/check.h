@@ -37,21 +37,16 @@ static inline size_t test_rounds(void) {
 #define TEST_SCALE_DOWN 1
 #endif
 
-/* Where the machine has AVX-512, the real kernels run in full, and emulated ones only have to show that emulation works. */
-static inline size_t test_emulation_divisor(void) {
-#ifdef CELLWALK_EMULATES_AVX512
-    return __builtin_cpu_supports("avx512f") ? 8 : 1;
-#else
-    return 1;
-#endif
-}
-
 /* What tests divide their rays by where machine or build are slow, or where they have run in full elsewhere: that, times the
  * environment variable CELLWALK_TEST_DIVIDE. */
 static inline size_t test_divisor(void) {
     const char *text = getenv("CELLWALK_TEST_DIVIDE");
     const long by = text ? strtol(text, NULL, 10) : 1;
-    return TEST_SCALE_DOWN * test_emulation_divisor() * (by > 1 ? (size_t)by : 1);
+    size_t slow = TEST_SCALE_DOWN;
+#ifdef CELLWALK_EMULATES_AVX512 /* where the machine has it, emulated kernels only have to show that emulation works */
+    if (__builtin_cpu_supports("avx512f")) slow *= 8;
+#endif
+    return by > 1 ? slow * (size_t)by : slow;
 }
 
 /* That share of n, but no fewer than least, with which a test still means something. */

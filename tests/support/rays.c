@@ -65,10 +65,6 @@ typedef struct target {
 } target;
 typedef cw_ray maker(const target *at, random_state *r);
 
-static void set_dir(cw_ray *ray, const double d[3], double scale) {
-    for (int c = 0; c < 3; c++) ray->dir[c] = (float)(d[c] * scale);
-}
-
 static void scale_dir(cw_ray *ray, double by) {
     for (int c = 0; c < 3; c++) ray->dir[c] = (float)((double)ray->dir[c] * by);
 }
@@ -118,9 +114,8 @@ static cw_ray along(const target *at, random_state *r) {
     surface(at->f, at->cell, kind != 1, kind != 0, b);
     const double back = floor(random_between(r, 0.5, 4)), d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
     cw_ray ray = {.tmin = 0, .tmax = INFINITY};
-    for (int c = 0; c < 3; c++) ray.org[c] = (float)(a[c] - back * d[c]);
+    for (int c = 0; c < 3; c++) ray.org[c] = (float)(a[c] - back * d[c]), ray.dir[c] = (float)d[c];
     if (!rarely(r, 3)) ray.org[2] = (float)(a[2] + tall(at->f) * random_between(r, -1, 1));
-    set_dir(&ray, d, 1);
     if (!rarely(r, 3)) ray.dir[2] = (float)(a[2] - (double)ray.org[2]) / (float)(back + 1);
     return ray;
 }
@@ -254,7 +249,8 @@ static cw_ray behind(const target *at, random_state *r) {
     cw_ray ray = towards(q, at->p);
     if (rarely(r, 4)) {
         const double turn = random_between(r, 0, 6.283185307179586);
-        set_dir(&ray, (double[3]){cos(turn), sin(turn), sign(r) * tall(f) * pow(10, random_between(r, -6, 0))}, 1);
+        ray.dir[0] = (float)cos(turn), ray.dir[1] = (float)sin(turn);
+        ray.dir[2] = (float)(sign(r) * tall(f) * pow(10, random_between(r, -6, 0)));
     }
     if (rarely(r, 8)) ray.dir[0] = ray.dir[1] = 0;
     double scale = exp2(random_below(r, 3) ? random_between(r, -20, 0) : random_between(r, -60, 60));
