@@ -178,12 +178,7 @@ static bool read_part(ground *g, cw_rectangle part, io_raster *r, io_error *erro
             memcpy(z + y * part.nx, from->z + (part.j + y) * from->nx + part.i, part.nx * sizeof *z);
         return true;
     }
-    if (!is_all(g, part)) {
-        o.window.i = part.i;
-        o.window.j = part.j;
-        o.window.nx = part.nx;
-        o.window.ny = part.ny;
-    }
+    if (!is_all(g, part)) o.window = (io_raster_window){part.i, part.j, part.nx, part.ny};
     /* The map is that of the whole raster, which has been described. */
     o.cellsize = 0;
     o.north_up = false;
@@ -259,58 +254,39 @@ cw_status ground_plan_around(ground_plan *p, cw_rectangle part, cw_rectangle *pi
     return CW_OK;
 }
 
-typedef struct survey {
-    ground *ground;
-    ground_plan *plan;
-    double most; /* samples at once */
-} survey;
-
-static bool is_wanted(const survey *s, cw_rectangle block) {
-    const ground_plan *p = s->plan;
+static bool is_wanted(const ground_plan *p, cw_rectangle block) {
     const cw_rectangle w = p->window, both = cw_reach_both(w, block);
     return p->by.horizons || p->by.sun_count != 1 || (both.nx < w.nx + block.nx && both.ny < w.ny + block.ny) ||
            cw_reach_passes(&p->toward, w, block);
 }
 
-/* The rectangle of all that is wanted of rows of blocks, and how many samples of it are. */
-static cw_rectangle find_wanted(const survey *s, size_t first, size_t end, double *samples) {
+/* The rectangle of all that is wanted of some rows of blocks. */
+static cw_rectangle find_wanted(const ground_plan *p, size_t first, size_t end) {
     cw_rectangle all = {0};
-    *samples = 0;
     for (size_t y = first; y < end; y++)
-        for (size_t x = 0; x < s->plan->blocks.across; x++) {
-            const cw_rectangle block = cw_reach_block(&s->plan->blocks, x, y);
-            if (!is_wanted(s, block)) continue;
-            *samples += (double)block.nx * (double)block.ny;
-            all = cw_reach_both(all, block);
+        for (size_t x = 0; x < p->blocks.across; x++) {
+            const cw_rectangle block = cw_reach_block(&p->blocks, x, y);
+            if (is_wanted(p, block)) all = cw_reach_both(all, block);
         }
     return all;
 }
 
-/* Rows of blocks: together if memory has room and most of them are wanted, since each reading opens the file anew. */
-static bool survey_rows(const survey *s, size_t first, size_t end, io_error *error) {
-    double samples;
-    const cw_rectangle all = find_wanted(s, first, end, &samples);
-    const double size = (double)all.nx * (double)all.ny;
-    if (samples == 0) return true;
-    if (end - first > 1 && (size > s->most || size > 2 * samples)) {
-        const size_t middle = first + (end - first) / 2;
-        return survey_rows(s, first, middle, error) && survey_rows(s, middle, end, error);
-    }
-    const size_t columns = (size_t)fmax(s->most / (double)all.ny / REACH_BLOCK, 1) * REACH_BLOCK;
-    for (size_t i = 0; i < all.nx; i += columns) {
-        const cw_rectangle part = {all.i + i, all.j, all.nx - i < columns ? all.nx - i : columns, all.ny};
-        io_raster r;
-        if (!read_part(s->ground, part, &r, error)) return false;
-        cw_reach_blocks_take(&s->plan->blocks, part, r.z);
-        io_raster_free(&r);
-    }
-    return true;
-}
-
+/* A few rows of blocks at a time: the way of shadows is slanted, and each reading opens the file anew. */
 bool ground_plan_survey(ground_plan *p, ground *g, io_error *error) {
-    const survey s = {g, p, fmin(0.5 * room(g), 1e8) / sizeof(float)};
+    const double most = fmin(0.5 * room(g), 1e8) / sizeof(float); /* samples */
+    const size_t rows = (size_t)fmin(fmax(most / (double)g->about.nx / REACH_BLOCK, 1), 8);
     if (!has_blocks(p)) return true;
-    if (g->about.z == NULL) return survey_rows(&s, 0, p->blocks.down, error);
-    cw_reach_blocks_take(&p->blocks, ground_all(g), g->about.z);
+    for (size_t y = 0; y < p->blocks.down; y += rows) {
+        const size_t end = p->blocks.down - y < rows ? p->blocks.down : y + rows;
+        const cw_rectangle all = find_wanted(p, y, end);
+        const size_t columns = all.ny ? (size_t)fmax(most / (double)all.ny / REACH_BLOCK, 1) * REACH_BLOCK : 1;
+        for (size_t i = 0; i < all.nx; i += columns) {
+            const cw_rectangle part = {all.i + i, all.j, all.nx - i < columns ? all.nx - i : columns, all.ny};
+            io_raster r;
+            if (!read_part(g, part, &r, error)) return false;
+            cw_reach_blocks_take(&p->blocks, part, r.z);
+            io_raster_free(&r);
+        }
+    }
     return true;
 }

@@ -20,6 +20,11 @@ typedef struct io_georef {
     double scale, offset; /* heights are offset + scale times the file's numbers; scale 0: they are these numbers */
 } io_georef;
 
+/* Samples from (i, j) on. */
+typedef struct io_raster_window {
+    size_t i, j, nx, ny;
+} io_raster_window;
+
 void io_georef_free(io_georef *georef);
 
 /* The name that the coordinate system has in its well-known text, cut to size; "" if it has none. */

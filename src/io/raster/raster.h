@@ -30,11 +30,9 @@ typedef struct io_raster_options {
     /* Of a file that does not say, without cellsize: samples are 1 apart and the first row is in the north, with a warning;
      * georef.placed stays false. */
     bool north_up;
-    double zscale; /* > 0: one unit of height is so many of the map's (metres, if that is in degrees) */
-    struct {
-        size_t i, j, nx, ny;
-    } window;        /* only these samples, from (i, j) on; nx = 0: all. An error if the raster lacks some of them */
-    bool no_samples; /* size, map and georef alone: z stays NULL */
+    double zscale;           /* > 0: one unit of height is so many of the map's (metres, if that is in degrees) */
+    io_raster_window window; /* only these samples; nx = 0: all. An error if the raster lacks some of them */
+    bool no_samples;         /* size, map and georef alone: z stays NULL */
     /* NULL, or called with a warning: a sentence without a full stop that names the file. */
     void (*warn)(void *context, const char *text);
     /* NULL, or called now and then with the share that is read. False ends the reading with the error "interrupted". */

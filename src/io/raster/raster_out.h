@@ -30,10 +30,6 @@ typedef struct io_raster_product {
     size_t creation_count;
 } io_raster_product;
 
-typedef struct io_raster_window {
-    size_t i, j, nx, ny;
-} io_raster_window;
-
 typedef struct io_raster_writer {
     const struct io_raster_sink *sink; /* the format */
     io_raster_product product;

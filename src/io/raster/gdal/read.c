@@ -171,10 +171,12 @@ static bool is_no_data(const source *s, double value) {
 }
 
 /* The same for floats: the file's value may have been rounded to float on its way into a header of text, or not. */
-static void drop_no_data(float *z, size_t n, double nodata) {
-    const float value = (float)nodata;
-    for (size_t k = 0; k < n; k++)
-        if (z[k] == value) z[k] = NAN;
+static void drop_no_data(const source *s, float *z) {
+    for (size_t k = 0; k < s->other_count + s->has_nodata; k++) {
+        const float value = (float)(k < s->other_count ? s->others[k] : s->nodata);
+        for (int i = 0; i < s->nx; i++)
+            if (z[i] == value) z[i] = NAN;
+    }
 }
 
 static bool convert(const source *s, size_t row, float *z, io_error *error) {
@@ -189,31 +191,25 @@ static bool convert(const source *s, size_t row, float *z, io_error *error) {
     return true;
 }
 
+static bool read_band(const source *s, GDALRasterBandH band, size_t first, size_t count, GDALDataType type, void *to,
+                      io_error *error) {
+    return GDALRasterIO(band, GF_Read, s->i, s->j + (int)first, s->nx, (int)count, to, s->nx, (int)count, type, 0, 0) ==
+               CE_None ||
+           gdal_fail_read(error, s->path, band == s->band ? "cannot read" : "cannot read the mask");
+}
+
 static bool read_rows(const source *s, size_t first, size_t count, float *z, io_error *error) {
-    const size_t nx = (size_t)s->nx;
     CPLErrorReset();
-    if (s->direct) {
-        if (GDALRasterIO(s->band, GF_Read, s->i, s->j + (int)first, s->nx, (int)count, z, s->nx, (int)count,
-                         GDT_Float32, 0, 0) != CE_None)
-            return gdal_fail_read(error, s->path, "cannot read");
-        if (s->has_nodata) drop_no_data(z, nx * count, s->nodata);
-        for (size_t k = 0; k < s->other_count; k++) drop_no_data(z, nx * count, s->others[k]);
-    }
-    GDALRasterBandH mask = s->has_mask ? GDALGetMaskBand(s->band) : NULL;
-    for (size_t j = 0; j < count && (mask != NULL || !s->direct); j++) {
-        float *row = z + j * nx;
-        if (!s->direct) {
-            if (GDALRasterIO(s->band, GF_Read, s->i, s->j + (int)(first + j), s->nx, 1, s->row, s->nx, 1, GDT_Float64,
-                             0, 0) != CE_None)
-                return gdal_fail_read(error, s->path, "cannot read");
-            if (!convert(s, first + j, row, error)) return false;
-        }
-        if (mask == NULL) continue;
-        if (GDALRasterIO(mask, GF_Read, s->i, s->j + (int)(first + j), s->nx, 1, s->mask, s->nx, 1, GDT_Byte, 0, 0) !=
-            CE_None)
-            return gdal_fail_read(error, s->path, "cannot read the mask");
-        for (size_t i = 0; i < nx; i++)
-            if (s->mask[i] == 0) row[i] = NAN;
+    if (s->direct && !read_band(s, s->band, first, count, GDT_Float32, z, error)) return false;
+    for (size_t row = first; row < first + count; row++, z += s->nx) {
+        if (s->direct)
+            drop_no_data(s, z);
+        else if (!read_band(s, s->band, row, 1, GDT_Float64, s->row, error) || !convert(s, row, z, error))
+            return false;
+        if (!s->has_mask) continue;
+        if (!read_band(s, GDALGetMaskBand(s->band), row, 1, GDT_Byte, s->mask, error)) return false;
+        for (int i = 0; i < s->nx; i++)
+            if (s->mask[i] == 0) z[i] = NAN;
     }
     return true;
 }
