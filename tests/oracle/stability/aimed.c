@@ -9,11 +9,6 @@ const char *aim_name(aim kind) {
     return names[kind];
 }
 
-const char *aim_start_name(aim_start start) {
-    static const char *const names[START_COUNT] = {"over", "afar", "near", "behind"};
-    return names[start];
-}
-
 /* A ray in the making: it goes through p, n · step before it and m · step behind it being clear of all samples, while it
  * rises by rise with every step. */
 typedef struct plan {

@@ -39,8 +39,6 @@ typedef enum aim_start {
 
 /* "inside", "vertex" … */
 const char *aim_name(aim kind);
-/* "over", "afar", "near", "behind". */
-const char *aim_start_name(aim_start start);
 
 typedef struct aimed_field {
     const cw_field *field;

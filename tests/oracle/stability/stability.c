@@ -205,8 +205,8 @@ static void make_batch(uint64_t number) {
 /* Counts, and tells of the first ones. Other rules may have faults. */
 static void fault(const tested *t, size_t k, const cw_hit *hit, const char *what) {
     if (t->role > SAME_BITS || faults++ >= 8) return;
-    printf("%s: %s, field %s, class %s, starting %s, batch %llu, ray %zu\n", t->on[0].name, what, b.place->name,
-           aim_name(b.kind), aim_start_name(b.start), (unsigned long long)b.number, k);
+    printf("%s: %s, field %s, class %s, start %d, batch %llu, ray %zu\n", t->on[0].name, what, b.place->name,
+           aim_name(b.kind), (int)b.start, (unsigned long long)b.number, k);
     ray_print(&b.rays[k]);
     hit_print("hit", hit);
 }
@@ -291,7 +291,7 @@ static bool print_sums(size_t batches) {
         for (int k = 0; k < AIM_COUNT * WHATS; k++) sum[k % WHATS] += t->count[k / WHATS].of[k % WHATS];
         printf("%-26s %9zu rays, %zu leaks, %zu phantoms, %zu other bits\n", t->on[0].name, sum[TRACED], sum[LEAKS],
                sum[PHANTOMS], sum[OTHER]);
-        good &= sum[TRACED] > 0 || batches < t->every * (size_t)ROUND_BATCHES;
+        good &= sum[TRACED] > 0 || batches < 2 * t->every * (size_t)ROUND_BATCHES;
         good &= t->role != BLIND || (sum[LEAKS] == sum[PASS] && sum[PASS] > 0);
     }
     return good;
