@@ -4,7 +4,6 @@
 #include "half.h"
 #include "landscape.h"
 #include "model.h"
-#include "pbrt_lex.h"
 #include "reference.h"
 #include "words.h"
 #include "workload/random.h"
@@ -25,23 +24,6 @@ static bool keep(scene *s) {
         stop_unless(fclose(file) == 0, "z");
     }
     fprintf(answer, "fields=%zu\nwidth=%zu\nheight=%zu\n", scene_field_count(s), scene_width(s), scene_height(s));
-    return true;
-}
-
-/* The first numbers of a file's lines; NaN for none. Their ends must be those of the lines. */
-static bool reads_numbers(const char *name, io_error *e) {
-    static double numbers[200000];
-    char line[100];
-    size_t count = 0;
-    FILE *file = fopen(name, "r");
-    stop_unless(file != NULL, name);
-    for (; fgets(line, sizeof line, file); count++) {
-        const char *end = pbrt_number(line, &numbers[count]);
-        if (end != NULL && *end != '\n') return io_fail(e, "%s", line);
-        if (end == NULL) numbers[count] = NAN;
-    }
-    fclose(file);
-    save("numbers", numbers, count * sizeof *numbers);
     return true;
 }
 
@@ -167,7 +149,6 @@ static bool renders(const char *words, io_error *e) {
 static int obey(char **w, io_error *e) {
     if (strcmp(w[0], "load") == 0) return keep(scene_load(w[1], warn, NULL, e));
     if (strcmp(w[0], "landscape") == 0) return makes_landscape(e);
-    if (strcmp(w[0], "numbers") == 0) return reads_numbers(w[1], e);
     if (strcmp(w[0], "render") == 0) return renders(w[1], e);
     if (strcmp(w[0], "kernels") != 0) return OTHER;
     for (size_t k = 0; k < cw_kernel_count(); k++)
