@@ -202,29 +202,15 @@ static void add_triangle(const oracle *o, segment *s, int32_t i, int32_t j, uint
     s->triangle[s->solid++] = t;
 }
 
-/* The triangles that hold a place, given by x, y and x - y. */
+/* The triangles that hold a place, given by x, y and x - y: of the six at a sample all, the two at an edge, or one. */
 static void add_triangles(const oracle *o, segment *s, position x, position y, position diagonal) {
-    const int32_t i = x.floor, j = y.floor;
+    enum { A = CW_TRIANGLE_A, B = CW_TRIANGLE_B };
+    static const oracle_triangle at[6] = {{0, 0, A}, {0, 0, B}, {-1, 0, A}, {0, -1, B}, {-1, -1, A}, {-1, -1, B}};
+    const int one = diagonal.floor >= x.floor - y.floor ? 1 : 2;
+    const int of = x.on ? (y.on ? 63 : 2 + 4) : y.on ? 1 + 8 : diagonal.on ? 1 + 2 : one;
     s->count = s->whole = s->solid = 0;
-    if (x.on && y.on) {
-        add_triangle(o, s, i, j, CW_TRIANGLE_A);
-        add_triangle(o, s, i, j, CW_TRIANGLE_B);
-        add_triangle(o, s, i - 1, j, CW_TRIANGLE_A);
-        add_triangle(o, s, i, j - 1, CW_TRIANGLE_B);
-        add_triangle(o, s, i - 1, j - 1, CW_TRIANGLE_A);
-        add_triangle(o, s, i - 1, j - 1, CW_TRIANGLE_B);
-    } else if (x.on) {
-        add_triangle(o, s, i - 1, j, CW_TRIANGLE_A);
-        add_triangle(o, s, i, j, CW_TRIANGLE_B);
-    } else if (y.on) {
-        add_triangle(o, s, i, j - 1, CW_TRIANGLE_B);
-        add_triangle(o, s, i, j, CW_TRIANGLE_A);
-    } else if (diagonal.on) {
-        add_triangle(o, s, i, j, CW_TRIANGLE_A);
-        add_triangle(o, s, i, j, CW_TRIANGLE_B);
-    } else {
-        add_triangle(o, s, i, j, diagonal.floor >= i - j ? CW_TRIANGLE_A : CW_TRIANGLE_B);
-    }
+    for (int k = 0; k < 6; k++)
+        if (of >> k & 1) add_triangle(o, s, x.floor + at[k].i, y.floor + at[k].j, at[k].triangle);
 }
 
 /* The exact hit is at a crossing, on all solid triangles that hold the place. */
