@@ -87,6 +87,7 @@ def wrong_products(map):
                 ("number 32 31", "horizon_angles degrees", horizon(), {"number": 32}), ("degrees NULL", "horizon_angles degrees", horizon(), {"to": None}),
                 ("count 3601 3600", "sky_view", horizon(count=3601), {}), ("flags 4 3", "sky_view", horizon(flags=4), {}),
                 ("azimuths NULL", "horizon_azimuths", horizon(), {"to": None}), ("view NULL", "viewshed seen", eye(map), {"to": None}),
+                ("from NULL", "viewshed seen", None, {}),
                 ("weight nan", "viewshed angle", eye(map), {"weight": np.nan}),
                 ("directions 3601 3600", "visibility area", struct("cw_visibility_desc", directions=3601), {}),
                 ("height", "visibility area", struct("cw_visibility_desc", height=-1), {}),
@@ -126,5 +127,7 @@ def test_wrong_calls_are_told(lands):
         status, message = lands.make(name, desc, **{"to": np.zeros((NY, NX), "f4"), **more})
         assert status == ARGUMENT and all(part in message for part in said.split()), (said, message)
     # Nothing to do is no error.
+    for what in "terrain", "visible":
+        lands.call(f"cw_{what}_destroy", None)
     lands.well("cw_lines_of_sight", lands.land_now, None, 0.0, None, 0, None)
     assert lands.make("shadow", light(), None, at=(3, 3, 0, 2))[0] == OK
