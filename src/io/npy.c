@@ -129,9 +129,8 @@ static bool read_header(io_npy *npy, uint64_t file_size, io_error *error) {
     const size_t before = have >= 8 && start[6] == 1 ? 10 : 12;
     if (have < before)
         return io_fail(error, "%s: truncated: the file ends at byte %zu, within its header", npy->path, have);
-    const uint64_t length =
-        before == 10 ? (uint64_t)(start[8] | start[9] << 8)
-                     : start[8] | (uint64_t)start[9] << 8 | (uint64_t)start[10] << 16 | (uint64_t)start[11] << 24;
+    uint32_t length = 0;
+    memcpy(&length, start + 8, before - 8);
     if (length > file_size - before)
         return io_fail(error, "%s: truncated: the header at byte %zu is said to be %llu bytes long, the file has %llu",
                        npy->path, before, (unsigned long long)length, (unsigned long long)file_size);

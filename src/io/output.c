@@ -142,8 +142,9 @@ static bool keep_rights(int fd, const char *old_path, const struct stat *old) {
 
 /* ---- temporary files ---------------------------------------------------------------------------------------------------------- */
 
-/* The names stand in a static table that never moves and is never freed, so that a signal handler can remove the files while another
- * thread opens or closes one. A slot goes FREE -> CLAIMED -> LIVE -> CLAIMED -> FREE by its owner; a signal handler may take LIVE to GONE. */
+/* The names stand in a static table that never moves and is never freed, so that a signal handler can remove the files while
+ * another thread opens or closes one. A slot goes FREE -> CLAIMED -> LIVE -> CLAIMED -> FREE by its owner; a signal handler may
+ * take LIVE to GONE. */
 enum { FREE, CLAIMED, LIVE, GONE };
 
 static struct slot {

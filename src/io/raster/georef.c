@@ -54,59 +54,51 @@ static bool numbers(const char *node, double *value, int count) {
     return true;
 }
 
-typedef struct reading {
-    io_georef found;
-    int main, unit; /* depths of the system's own node, and of units in its axes; 0: not met */
-    bool over;
-} reading;
-
-/* A node at a depth, from 1 on; at: behind its bracket. */
-static void take_node(reading *r, const char *word, size_t length, int depth, const char *at) {
-    static const char projected[] = "|PROJCS|PROJCRS|PROJECTEDCRS|LOCAL_CS|ENGCRS|",
-                      geographic[] = "|GEOGCS|GEOGCRS|GEOGRAPHICCRS|";
+/* The first node of these names, which stand between bars, in the text of another: behind its bracket. depth: 1 for that node's own, 0 for
+ * those in them, too. */
+static const char *find(const char *text, const char *names, int depth) {
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_0123456789";
     char name[24]; /* no known one is cut */
-    double value[2];
-    if (r->over) return;
-    snprintf(name, sizeof name, "|%.*s|", (int)(length < sizeof name ? length : sizeof name), word);
-    const bool own = r->main > 0 && depth == r->main + 1;
-    if (r->main == 0 && (strcasestr(projected, name) || strcasestr(geographic, name))) {
-        r->found.geographic = strcasestr(geographic, name) != NULL;
-        r->main = depth;
-    } else if (r->main > 0 && depth <= r->main) {
-        r->over = true; /* the system of heights follows the horizontal one */
-    } else if (strcasestr("|SPHEROID|ELLIPSOID|", name) && r->found.semi_major == 0 && numbers(at, value, 2)) {
-        r->found.semi_major = value[0];
-        r->found.inverse_flattening = value[1];
-    } else if (own && strcasecmp(name, "|AXIS|") == 0) {
-        r->unit = depth + 1; /* where one unit of all axes is missing */
-    } else if ((own || (r->unit > 0 && depth == r->unit)) && r->found.unit == 0 &&
-               strcasestr("|UNIT|LENGTHUNIT|ANGLEUNIT|", name) && numbers(at, value, 1)) {
-        r->found.unit = value[0];
+    int here = 1;
+    for (const char *c = text; *c != '\0' && here > 0; c++) {
+        const size_t length = strspn(c, letters);
+        const char *bracket = c + length + strspn(c + length, " \t\r\n");
+        snprintf(name, sizeof name, "|%.*s|", (int)(length < sizeof name ? length : sizeof name), c);
+        if (length > 0 && (*bracket == '[' || *bracket == '(') && (depth == 0 || here == depth) &&
+            strcasestr(names, name))
+            return bracket + 1;
+        if (length > 0) c += length - 1;
+        if (*c == '"' && (c = strchr(c + 1, '"')) == NULL) return NULL;
+        here += (*c == '[' || *c == '(') - (*c == ']' || *c == ')');
     }
+    return NULL;
+}
+
+static bool is_balanced(const char *wkt) {
+    int depth = 0;
+    for (const char *c = wkt; *c != '\0'; c++) {
+        if (*c == '"' && (c = strchr(c + 1, '"')) == NULL) return false;
+        depth += (*c == '[' || *c == '(') - (*c == ']' || *c == ')');
+    }
+    return depth == 0;
 }
 
 bool io_georef_from_wkt(io_georef *georef, const char *wkt) {
-    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_0123456789";
-    reading r = {.main = 0};
-    int depth = 0;
-    size_t length = 0; /* of the word that a bracket may follow */
-    const char *word = wkt;
-    for (const char *c = wkt; *c != '\0'; c++) {
-        if (*c == '[' || *c == '(') take_node(&r, word, length, ++depth, c + 1);
-        if (*c == ']' || *c == ')') depth--;
-        if (*c == '"' && (c = strchr(c + 1, '"')) == NULL) return false;
-        if (strchr(" \t\r\n", *c) != NULL) continue;
-        word = c;
-        length = strspn(c, letters);
-        if (length > 0) c += length - 1;
-    }
-    if (r.main == 0 || depth != 0) return false;
-    georef->crs = strdup(wkt);
-    georef->geographic = r.found.geographic;
-    georef->unit = r.found.unit > 0 ? r.found.unit : 0;
-    georef->semi_major = r.found.semi_major;
-    georef->inverse_flattening = r.found.inverse_flattening;
-    return georef->crs != NULL;
+    static const char geographic[] = "|GEOGCS|GEOGCRS|GEOGRAPHICCRS|",
+                      systems[] = "|PROJCS|PROJCRS|PROJECTEDCRS|LOCAL_CS|ENGCRS|GEOGCS|GEOGCRS|GEOGRAPHICCRS|",
+                      units[] = "|UNIT|LENGTHUNIT|ANGLEUNIT|";
+    double ellipsoid[2] = {0, 0}, value;
+    const char *system = find(wkt, systems, 0); /* that of heights follows the horizontal one */
+    if (system == NULL || !is_balanced(wkt) || (georef->crs = strdup(wkt)) == NULL) return false;
+    const char *axis = find(system, "|AXIS|", 1), *unit = find(system, units, 1),
+               *round = find(system, "|SPHEROID|ELLIPSOID|", 0);
+    if (unit == NULL && axis != NULL) unit = find(axis, units, 1); /* where one unit of all axes is missing */
+    if (round != NULL && !numbers(round, ellipsoid, 2)) ellipsoid[0] = ellipsoid[1] = 0;
+    georef->geographic = find(wkt, geographic, 0) == system;
+    georef->unit = unit != NULL && numbers(unit, &value, 1) && value > 0 ? value : 0;
+    georef->semi_major = ellipsoid[0];
+    georef->inverse_flattening = ellipsoid[1];
+    return true;
 }
 
 /* ---- the scale of a projection -------------------------------------------------------------------------------------------- */

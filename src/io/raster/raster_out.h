@@ -33,12 +33,10 @@ typedef struct io_raster_product {
 typedef struct io_raster_writer {
     const struct io_raster_sink *sink; /* the format */
     io_raster_product product;
-    io_output output;
-    io_output
-        beside[2];    /* a picture's world file; of a COG the GeoTIFF that it is copied from, and its smaller copies */
-    size_t band, row; /* that come next */
-    uint64_t left;    /* cells that are still to come */
-    void *state;      /* the format's */
+    io_output output, beside[2]; /* a picture's world file; of a COG the GeoTIFF before it, and its smaller copies */
+    size_t band, row;            /* that come next */
+    uint64_t left;               /* cells that are still to come */
+    void *state;                 /* the format's */
 } io_raster_writer;
 
 static inline size_t io_cell_bytes(io_cell cell) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The interface of the module with GDAL to the program that loads it. GDAL and the hundred libraries that it brings take
- * 40 to 60 ms to load, three quarters of that for finding symbols, so only the module is linked to it, and the module is loaded when a file needs it. */
+ * long to load, three quarters of that for finding symbols, so only the module is linked to it, and the module is loaded
+ * when a file needs it. */
 #ifndef CELLWALK_IO_GDAL_MODULE_H
 #define CELLWALK_IO_GDAL_MODULE_H
 
@@ -40,8 +41,8 @@ bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io
 bool gdal_create(io_raster_writer *writer, const char *path, io_error *error);
 bool gdal_write(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,
                 io_error *error);
-/* Closes the file; false if the data did not reach it. path_of_cog: the COG's, which is there and empty; GDAL makes more files of names that
- * begin with it, and removes them. NULL: none is made. */
+/* Closes the file; false if the data did not reach it. path_of_cog: the COG's, which is there and empty; GDAL makes more files
+ * of names that begin with it, and removes them. NULL: none is made. */
 bool gdal_finish(io_raster_writer *writer, const char *path_of_cog, io_error *error);
 
 /* Longitude and latitude (WGS 84, degrees) of n places of a coordinate system, or the other way round; in place. */
