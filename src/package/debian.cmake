@@ -61,7 +61,7 @@ if(TARGET cellwalk_python)
     cellwalk_package(python python3-cellwalk python "exact ray queries on height fields - Python module
 The module cellwalk has fields, rays, viewsheds, shadows and horizons for
 NumPy arrays, xarray and rasterio, and for rasters larger than memory by Dask.")
-    set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-numpy")
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-cffi-backend, python3-numpy")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-xarray, python3-dask, python3-rasterio")
     set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_SOURCE_DIR}/debian/postinst
         ${CMAKE_CURRENT_SOURCE_DIR}/debian/prerm)

@@ -73,8 +73,9 @@ def test_products(file, name, arguments):
 
 
 def test_lowest_suns_of_directions():
-    plan = cwd.Plan("insolation", {"directions": 8, "curvature": 7}, "", {}, inputs=(np.array([(2, 9), (359, 4), (50, 60), (3, -9)], float),))
-    np.testing.assert_array_equal(cwd._lights_of(plan), [[0, 4, 0, 7], [45, 60, 0, 7]])
+    suns = np.array([(2, 9), (359, 4), (50, 60), (3, -9)], float)
+    plan = cwd.Plan("insolation", None, {"directions": 8, "curvature": 7}, "", {}, inputs=(suns,))
+    assert cwd._lights_of(plan) == [{"azimuth": azimuth, "altitude": altitude, "curvature": 7} for azimuth, altitude in ((0, 4), (45, 60))]
 
 
 def blocks_of(file, chunks=64):
@@ -87,33 +88,28 @@ def test_shadow_reaches_over_chunks(file):
     assert (cw.Field(chunk.z, transform=chunk.map, crs=whole.crs).shadow(90, 8) != whole.shadow(90, 8)[192:256, 0:64]).any()
     (low, high), z = blocks_of(file).block_ranges(), whole.z
     assert low.shape == (2, 2) and low[0, 0] == np.nanmin(z[:256, :256]) and high[1, 0] == np.nanmax(z[256:, :256])
-    window = blocks_of(file).reach("sunward", (0, 0, 64, 64), (low, high, np.array([[90.0, 30, 0, 0]])), highest=float(high.max()))
+    reach = blocks_of(file).reach
+    window = reach.matters(cwd._Window(0, 0, 64, 64), 0, (low, high, float(high.max())), [{"azimuth": 90, "altitude": 30}])
     assert window.columns < COLUMNS and window.row == 0 and window.rows < 80
-    near = blocks_of(file).reach("beside", (128, 64, 64, 64), max_distance=700.0)
+    near = reach.matters(cwd._Window(128, 64, 64, 64), 700)
     assert near.rows * near.columns < ROWS * COLUMNS / 2 and near.row < 128 and near.row + near.rows > 192
     for chunks in (-1, 100, (301, 1), (37, 260)):  # blocks are those of the raster, however it is cut
         same(blocks_of(file, chunks).block_ranges(), (low, high))
-
-
-def test_a_window_with_too_many_samples_to_count_is_refused():
-    reach = cwd._reach_of(cwd._Site(300, 200, ((1, 0, 0, 0), (0, -1, 0, 0), (0, 0, 1, 0)), True, read_crs(None), None, b""))
-    for window in (0, 0, 2 ** 62, 2 ** 62), (299, 0, 2, 2), (-1, 0, 2, 2):
-        with pytest.raises(ValueError, match="window: no part"):
-            reach("grown", window)
 
 
 def test_blocks_out_of_reach_are_not_looked_at():
     """The highest sample limits which blocks are looked at, and changes no window; too low a one does."""
     random = np.random.default_rng(3)
     place = ((10.0, 1, 0, 6e5), (0.5, -12, 0, 5e6), (0, 0, 1, 0))
-    reach = cwd._reach_of(cwd._Site(40 * 256 + 9, 50 * 256 - 3, place, True, read_crs(None)._replace(unit=1.0), None, b""))
+    reach = cwd._Reach(cwd._Site(40 * 256 + 9, 50 * 256 - 3, place, True, read_crs(None)._replace(unit=1.0), None, b""))
     low = random.uniform(0, 300, (41, 50)).astype(np.float32)
     high = low + random.uniform(0, 900, low.shape).astype(np.float32) * (random.random(low.shape) < 0.2)
     differ = 0
     for _ in range(300):
         azimuth, altitude, disc = random.uniform(0, 360), random.choice([-2, 3, 10, 25, 60, 90]), random.choice([0, 1])
-        window = (int(random.integers(0, 9000)), int(random.integers(0, 9000)), 512, 700)
-        every, some, none = (reach("sunward", window, (low, high, np.array([[azimuth, altitude, disc, 0]], float)), highest=top) for top in (1e30, float(high.max()), 310))
+        window = cwd._Window(int(random.integers(0, 9000)), int(random.integers(0, 9000)), 512, 700)
+        light = {"azimuth": azimuth, "altitude": altitude, "radius": disc}
+        every, some, none = (reach.matters(window, 0, (low, high, top), [light]) for top in (1e30, float(high.max()), 310))
         assert every == some
         differ += none != every
     assert differ > 50

@@ -33,7 +33,7 @@ def test_program(code, most, said):
         assert done.stdout == said and len(code.splitlines()) <= most and open("light.png", "rb").read(4) == b"\x89PNG"
 
 
-@pytest.mark.parametrize("module", ["cellwalk", "cellwalk._field", "cellwalk._hits", "cellwalk._light", "cellwalk._sight"])
+@pytest.mark.parametrize("module", ["cellwalk", "cellwalk._field", "cellwalk._rays", "cellwalk._light", "cellwalk._sight"])
 def test_doctests(module):
     result = doctest.testmod(importlib.import_module(module))
     assert result.failed == 0 and result.attempted > 2

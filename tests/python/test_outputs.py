@@ -148,7 +148,7 @@ def test_dtypes(dtype):
 FORK = """
 import os, sys, numpy as np, cellwalk as cw
 z = np.arange(512 * 512, dtype="float32").reshape(512, 512)
-file = cw._cellwalk.GeoTiff("a.tif", 1, 512, 512, "float32", float("nan"), None, None, True)
+file = cw._raster.GeoTiff("a.tif", 1, 512, 512, "float32", float("nan"), None, None, True)
 file.write(0, 0, 0, 256, 512, z[:256])
 child = os.fork()
 if child == 0:
@@ -172,7 +172,7 @@ def test_a_forked_child_has_no_say():
 
 
 def test_windows_are_checked():
-    file = cw._cellwalk.GeoTiff("a.tif", 2, 20, 30, "uint8", 255.0, None, None, True)
+    file = cw._raster.GeoTiff("a.tif", 2, 20, 30, "uint8", 255.0, None, None, True)
     block = np.zeros((5, 7), np.uint8)
     for window in ((-1, 0, 0, 5, 7), (2, 0, 0, 5, 7), (0, 16, 0, 5, 7), (0, 0, 24, 5, 7), (0, -1, 0, 5, 7), (0, 0, 0, 5, 6), (0, 0, 0, 0, 0),
                    (0, 2 ** 62, 0, 5, 7), (0, 0, 0, 2 ** 62, 2 ** 62)):

@@ -58,7 +58,7 @@ def test_holes_and_crs():
     d = dem(_FillValue=-9999.0)
     d = d.copy(data=np.where(np.isnan(z), np.float32(-9999), z))
     same(cw.Field(d).z, z)
-    wkt = cw._convert._WGS84
+    wkt = cw._convert.WGS84
     d = dem().assign_coords(spatial_ref=xr.DataArray(0, attrs={"crs_wkt": wkt}))
     assert cw.Field(d)._source.crs.geographic and cw.Field(d).crs == wkt
     lonlat = xr.DataArray(z, dims=("lat", "lon"), coords={"lat": 47 - np.arange(61) / 1200, "lon": 10 + np.arange(83) / 1200})

@@ -35,10 +35,10 @@ All answers are exact for the surface of two triangles between each four samples
 number of threads, any CPU, and the program `cellwalk`.
 """
 
-from ._cellwalk import version as __version__  # type: ignore[import-not-found]
+from ._core import version as __version__
 from ._field import Difference, Field, kernels, open
-from ._hits import Hits
 from ._light import SunDays, sun
+from ._rays import Hits
 from ._sight import LineOfSight, PlaceHorizon, Profile, Sites
 from . import _xarray  # noqa: F401  (registers DataArray.cellwalk if xarray is loaded later or already)
 

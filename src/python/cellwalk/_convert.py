@@ -1,42 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What callers hand in, made into what the extension takes: contiguous arrays, maps, coordinate systems. No argument is ever
-changed. Messages say argument, shape and value."""
+"""What callers hand in, made into what the libraries take: contiguous arrays and maps. No argument is ever changed. Messages say
+argument, shape and value."""
 
 from __future__ import annotations
 
-import functools
-import importlib
 import math
-import os
-import sys
-import warnings
-from typing import Any, Callable, NamedTuple, Optional
+from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
-from . import _cellwalk  # type: ignore[attr-defined]
-
-
-def progress_call(progress) -> Optional[Callable[[float], object]]:
-    """A callable that takes the share done, or an object like tqdm's bar with `update`, `n` and `total`."""
-    if progress is None or not (hasattr(progress, "update") and hasattr(progress, "n")):
-        if progress is not None and not callable(progress):
-            raise TypeError(f"progress: {progress!r} is neither callable nor a progress bar")
-        return progress
-    total = progress.total or 1
-    return lambda share: progress.update(share * total - progress.n)
-
-
-@functools.lru_cache(maxsize=2)
-def _pool(threads: int, process: int):
-    """Threads cost too much to start for each call. So the two pools used last stay, and others go once nothing runs on them. A child
-    that was forked makes its own."""
-    return _cellwalk.make_pool(threads)
-
-
-def pool_of(threads: int):
-    return None if threads == 1 else _pool(threads, os.getpid())
-
+from ._core import warn
+from ._raster import WGS84, Crs, read_crs
 
 # ---- maps -----------------------------------------------------------------------------------------------------------------
 
@@ -70,22 +44,6 @@ def map_of_transform(transform) -> np.ndarray:
     return np.array([[a, b, 0, c + 0.5 * a + 0.5 * b], [d, e, 0, f + 0.5 * d + 0.5 * e], [0, 0, 1, 0]])
 
 
-def map_of_file(given: dict[str, Any]) -> np.ndarray:
-    return np.frombuffer(given["map"]).reshape(3, 4).copy()
-
-
-class _Samples:
-    """Memory of the extension, for np.asarray."""
-
-    def __init__(self, given: dict[str, Any]) -> None:
-        address, self.holder = given["samples"]
-        self.__array_interface__ = {"version": 3, "shape": given["shape"], "typestr": np.dtype(np.float32).str, "data": (address, False)}
-
-
-def samples_of_file(given: dict[str, Any]) -> np.ndarray:
-    return np.asarray(_Samples(given))
-
-
 def line_of_coordinates(values, name: str) -> tuple[float, float]:
     """Start and step of regular coordinates. They may be off by a hundredth of a step, or by what their dtype rounds."""
     values = np.asarray(values)
@@ -105,58 +63,6 @@ def line_of_coordinates(values, name: str) -> tuple[float, float]:
         raise ValueError(f"{name}: irregular spacing: number {worst} is {numbers[worst]}, expected about "
                          f"{first + step * worst}; resample to a regular grid first")
     return first, step
-
-
-# ---- coordinate systems ---------------------------------------------------------------------------------------------------
-
-
-class Crs(NamedTuple):
-    given: Any  # what the caller had
-    wkt: Optional[str]
-    geographic: bool
-    unit: float  # metres or radians in one of x and y; 0: not known
-    semi_major: float
-    inverse_flattening: float
-
-
-def read_crs(crs) -> Crs:
-    """A coordinate system as WKT, an object with to_wkt(), or what rasterio or pyproj make one of ("EPSG:32632", 4326)."""
-    if crs is None:
-        return Crs(None, None, False, 0.0, 0.0, 0.0)
-    if isinstance(crs, Crs):
-        return crs
-    if isinstance(crs, (str, int)) and str(crs).upper() in ("4326", "EPSG:4326", "OGC:CRS84"):
-        return read_crs(_WGS84)._replace(given=crs)
-    text = crs.to_wkt() if hasattr(crs, "to_wkt") else crs
-    known = _cellwalk.describe_crs(text) if isinstance(text, str) else None
-    if known is None and not hasattr(crs, "to_wkt"):
-        text = _look_up(crs)
-        known = _cellwalk.describe_crs(text)
-    if known is None:
-        raise ValueError(f"crs: {crs!r} is neither geographic nor projected")
-    return Crs(crs, *known)
-
-
-def scale_of(source: Source, rows: int, columns: int, name: str) -> Optional[bytes]:
-    """How long the unit of a projected map is on the ground; warns if that is not known or not the same in all directions."""
-    known = source.crs
-    if known.wkt is None or known.geographic or not source.placed:
-        return None
-    scale, sentences = _cellwalk.find_scale(known.wkt, np.ascontiguousarray(source.map), rows, columns, name)
-    for sentence in sentences:
-        warn(sentence)
-    return scale
-
-
-def _look_up(crs) -> str:
-    for name in "pyproj.crs", "rasterio.crs":
-        try:
-            return importlib.import_module(name).CRS.from_user_input(crs).to_wkt()
-        except ImportError:
-            continue
-        except Exception as error:
-            raise ValueError(f"crs: {crs!r}: {error}") from None
-    raise ValueError(f"crs: {crs!r} is no well-known text, and neither pyproj nor rasterio is installed to look it up")
 
 
 # ---- samples --------------------------------------------------------------------------------------------------------------
@@ -192,17 +98,15 @@ def samples_of(values, nodata=None, name: str = "z", least: int = 2) -> np.ndarr
             equal = array == (array.dtype.type(nodata) if array.dtype.kind == "f" else nodata)
         if np.any(equal):
             holes = equal if holes is None else holes | equal
+    with np.errstate(over="ignore", invalid="ignore"):
+        samples = np.require(array, np.float32, ["C", "A"])
     if array.dtype.kind == "f" and array.dtype.itemsize > 4:
-        with np.errstate(over="ignore", invalid="ignore"):
-            samples = np.ascontiguousarray(array, np.float32)
         over = np.isinf(samples) & np.isfinite(array)
         if holes is not None:
             over &= ~holes
         if over.any():
             place = tuple(int(k) for k in np.argwhere(over)[0])
             raise ValueError(f"{name}: the sample at {place} is {array[place]}, beyond the range of float32")
-    else:
-        samples = np.require(array, np.float32, ["C", "A"])
     if holes is not None and holes.any():
         if np.shares_memory(samples, array):
             samples = samples.copy()
@@ -240,14 +144,10 @@ def describe_dataarray(z, transform=None, crs=None, nodata=None, zscale=None) ->
     if crs is None:
         crs = _crs_of_dataarray(like)
     if crs is None and placed and str(x).lower() in ("lon", "longitude"):
-        crs = _WGS84
+        crs = WGS84
     known = read_crs(crs)
     _scale_heights(affine, zscale, like.attrs.get("units"), known, placed)
     return Source(None, affine, placed, known, like, nodata)
-
-
-_WGS84 = ('GEOGCRS["WGS 84",DATUM["World Geodetic System 1984",ELLIPSOID["WGS 84",6378137,298.257223563,LENGTHUNIT["metre",1]]],'
-          'CS[ellipsoidal,2],AXIS["longitude",east],AXIS["latitude",north],ANGLEUNIT["degree",0.0174532925199433]]')
 
 
 def coarser_like(like, affine, samples, factor):
@@ -308,14 +208,6 @@ def _scale_heights(affine: np.ndarray, zscale, unit, crs: Crs, placed: bool) -> 
         known = (name for metres, name in ((0.3048, "ft"), (1200 / 3937, "US survey ft")) if abs(crs.unit / metres - 1) < 1e-8)
         name = next(known, f"x {crs.unit:.9g} m")
         warn(f"crs: heights taken as {name}, as x and y; zscale={1 / crs.unit:.5g} if they are metres")
-
-
-def warn(text: str) -> None:
-    """At the line of the caller's that called this package."""
-    frame, level = sys._getframe(1), 2
-    while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
-        frame, level = frame.f_back, level + 1
-    warnings.warn(text, stacklevel=level)
 
 
 def warn_of_heights(samples: np.ndarray, low: float, high: float, nodata: Optional[float]) -> None:

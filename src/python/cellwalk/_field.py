@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
 
 import numpy as np
 
-from . import _cellwalk  # type: ignore[attr-defined]
-from ._convert import (Crs, Source, coarser_like, count, finite, map_of_file, nodata_of, numbers, pool_of, progress_call,
-                       read_crs, read_source, samples_of, samples_of_file, scale_of, warn_of_heights)
-from ._hits import Hits, _dtype
+from ._convert import Source, coarser_like, count, finite, nodata_of, numbers, read_source, samples_of, warn_of_heights
+from ._core import Core, Work, ffi, lib, owner
 from ._light import Light
-from ._rays import rays_of
+from ._raster import read_crs, read_raster, scale_of
+from ._rays import Hits, _dtype, rays_of
 from ._sight import Sight
 
 if TYPE_CHECKING:
@@ -55,7 +54,50 @@ def kernels() -> list[Kernel]:
         >>> "cell" in [k.name for k in cw.kernels()]
         True
     """
-    return [Kernel(*row) for row in _cellwalk.kernels()]
+    info, rows = ffi.new("cw_kernel_info *"), []
+    for k in range(lib.cw_kernel_count()):
+        lib.cw_kernel_describe_into(lib.cw_kernel_at(k), info, ffi.sizeof(info[0]))
+        name, what, isa = (ffi.string(text).decode() for text in (info.name, info.what, lib.cw_isa_name(info.isa)))
+        rows.append(Kernel(name, what, isa, info.width, info.available))
+    return rows
+
+
+# ---- what is called -------------------------------------------------------------------------------------------------------
+
+
+def _heights(core, work, places):
+    """z of places of the map, in their place."""
+    if core.affine[0, 2] or core.affine[1, 2]:
+        raise ValueError("transform: leans the heights, so that no single place is above x and y")
+    n = places.size // 3
+    hits, points = ffi.new("cw_hit[]", n), ffi.from_buffer("double[]", places)
+    work.part(0, 2)
+    work.check(lib.cw_surface_at_user(core.field, work.run, points, n, hits))
+    work.part(1, 2)
+    return lib.cw_hit_points(core.field, work.run, hits, n, points)
+
+
+def _coarser(core, work, factor, filter):
+    difference, made = ffi.new("cw_difference *"), owner("cw_field **", lib.drop_field)
+    work.check(lib.cw_field_coarser(core.field, work.run, factor, filter, made, difference, ffi.sizeof(difference[0])))
+    rows, columns = (-(-(n - 1) // factor) + 1 for n in core.shape)
+    samples = np.stack([np.frombuffer(ffi.buffer(lib.cw_field_row(made[0], j), 4 * columns), np.float32) for j in range(rows)])
+    return samples, Difference(difference.above, difference.below, difference.rms, difference.lost, difference.made)
+
+
+def _update(core, work, samples, row, column, block):
+    """If the field refuses it, the old samples are restored."""
+    here, status = samples[row:row + block.shape[0], column:column + block.shape[1]], None
+    before, change = here.copy(), ffi.new("cw_update *", {"at": (column, row, *block.shape[::-1])})
+    core.bounds = None
+    try:
+        here[:] = block
+        status = lib.cw_field_update(core.field, work.run, change)
+    finally:
+        if status != lib.CW_OK:
+            here[:] = before
+            lib.cw_field_update(core.field, work.run, change)
+    return status
 
 
 class Field(Light, Sight):
@@ -92,8 +134,8 @@ class Field(Light, Sight):
     def __init__(self, z: Any, transform: Any = None, crs: Any = None, nodata: float | None = None, threads: int = 0, *,
                  zscale: float | None = None, band: int | None = None, copy: bool = False, progress=None) -> None:
         self._make(read_source(z, transform, crs, nodata_of(nodata), zscale, band), threads, copy, progress, z)
-        low, high, _ = self._core.describe()
-        warn_of_heights(self._samples, low, high, self._source.nodata)
+        about = self._core.describe()
+        warn_of_heights(self._samples, about.low, about.high, self._source.nodata)
 
     def _make(self, source: Source, threads, copy, progress, given=None, whole=None, scale: Any = None) -> None:
         self._threads = count(threads, "threads", 0, 4096)
@@ -109,14 +151,9 @@ class Field(Light, Sight):
         self._build(source.samples.copy() if copy and shared else source.samples, progress)
 
     def _build(self, samples: np.ndarray, progress=None) -> None:
-        known = self._source.crs
-        rows, columns = samples.shape
-
         def make(samples):
-            return _cellwalk.Field(samples, columns, rows, np.ascontiguousarray(self._source.map), known.geographic,
-                                   not self._source.placed, known.unit,
-                                   known.semi_major, known.inverse_flattening, pool_of(self._threads), progress_call(progress),
-                                   *(() if self._whole is None else (self._whole,)))
+            work = Work("z", self._threads, progress)
+            return Core(samples, samples.shape, self._source.map, self._source.placed, self._source.crs, work, self._whole)
 
         try:
             core = make(samples)
@@ -130,15 +167,14 @@ class Field(Light, Sight):
         self._ready = False
 
     @property
-    def _ground(self) -> _cellwalk.Field:
-        """The extension's field for products, which need the scale of a projected map: GDAL is loaded for it."""
+    def _ground(self) -> Core:
+        """The field for products, which need the scale of a projected map: GDAL is loaded for it."""
         with self._door:
             if not self._ready:
                 if self._scale is None:
                     name = self._origin[0] if self._origin else "crs"
-                    self._scale = scale_of(self._source, *self._samples.shape, name) or b""
-                if self._scale:
-                    self._call("scale", {}, (self._scale,), (), threads=1, core=self._core)
+                    self._scale = scale_of(self._source.crs, self._source.placed, self._source.map, self.shape, name)
+                self._core.set_scale(self._scale)
                 self._ready = True
         return self._core
 
@@ -188,13 +224,13 @@ class Field(Light, Sight):
         return self._difference
 
     def __repr__(self) -> str:
-        (low, high, holes), known, m = self._core.describe(), self._source.crs, self._source.map
-        heights = f"heights {low:g} to {high:g}" if low <= high else "no heights"
+        about, known, m = self._core.describe(), self._source.crs, self._source.map
+        heights = f"heights {about.low:g} to {about.high:g}" if about.low <= about.high else "no heights"
         cell = " x ".join(f"{float(np.hypot(m[0, k], m[1, k])):g}" for k in range(2))
         unit = ("" if not self._source.placed else " degrees" if known.geographic else
                 " m" if known.unit == 1 else f" x {known.unit:g} m" if known.unit else "")
         name = known.wkt.split('"')[1] if known.wkt and '"' in known.wkt else "no crs"
-        return (f"<cellwalk.Field: {self.shape[0]} rows of {self.shape[1]} samples, {heights}, {holes} holes, "
+        return (f"<cellwalk.Field: {self.shape[0]} rows of {self.shape[1]} samples, {heights}, {about.holes} holes, "
                 f"cells {cell}{unit}, {name}>")
 
     def __reduce__(self):
@@ -233,7 +269,7 @@ class Field(Light, Sight):
             >>> f.closest([[4, 4, 2], [4, 4, -2]], [0, 0, -1]).t
             array([ 2., inf], dtype=float32)
         """
-        shape, out = self._trace(False, origins, directions, tmin, tmax, kernel, progress)
+        shape, out = self._trace("closest", origins, directions, tmin, tmax, kernel, progress)
         return Hits(out.view(_dtype).reshape(shape), self)
 
     def occluded(self, origins: ArrayLike, directions: ArrayLike | None = None, tmin: ArrayLike | None = None,
@@ -245,15 +281,21 @@ class Field(Light, Sight):
             >>> f.occluded([4, 4, 2], [0, 0, -1], tmax=[1, 3])
             array([False,  True])
         """
-        shape, out = self._trace(True, origins, directions, tmin, tmax, kernel, progress)
+        shape, out = self._trace("occluded", origins, directions, tmin, tmax, kernel, progress)
         return out.view(np.bool_).reshape(shape)
 
-    def _trace(self, any_hit, origins, directions, tmin, tmax, kernel, progress):
+    def _trace(self, method, origins, directions, tmin, tmax, kernel, progress):
         if kernel is not None and not isinstance(kernel, str):
             raise TypeError(f"kernel: {kernel!r}, expected a name of cellwalk.kernels()")
         shape, operands = rays_of(origins, directions, tmin, tmax)
-        out = np.empty(int(np.prod(shape, dtype=np.int64)) * (1 if any_hit else _dtype.itemsize), np.uint8)
-        self._call("occluded" if any_hit else "closest", {}, operands, (out,), progress, core=self._core, kernel=kernel)
+        n, wide = len(operands[0]), operands[0].dtype == np.float64
+        rays = ffi.new("rays *", {"at": [a.ctypes.data for a in operands], "step": [a.strides[0] for a in operands], "n": n, "wide": wide,
+                                  "user": wide or not self._core.identity})
+        closest = method == "closest"
+        out = np.empty(n * (_dtype.itemsize if closest else 1), np.uint8)
+        hits, any_hit = (ffi.from_buffer("cw_hit[]", out), ffi.NULL) if closest else (ffi.NULL, ffi.from_buffer("uint8_t[]", out))
+        self._run(method, lambda core, work: lib.rays_trace(rays, core.field, work.c, hits, any_hit), progress=progress, core=self._core,
+                  kernel=kernel)
         return shape, out
 
     def at(self, x: ArrayLike, y: ArrayLike, *, progress=None) -> Any:
@@ -272,7 +314,7 @@ class Field(Light, Sight):
             raise ValueError(f"shapes do not broadcast: x {x.shape}, y {y.shape}") from None
         places[..., 0], places[..., 1], places[..., 2] = x, y, self._source.map[2, 3]
         if places.size:
-            self._call("at", {}, (places,), (np.empty(places.size // 3, _dtype), places), progress, core=self._core)
+            self._run("at", _heights, places, progress=progress, core=self._core)
         return places[..., 2].copy()[()]
 
     def coarser(self, factor: int, filter: str = "mean", *, progress=None) -> Field:
@@ -296,16 +338,13 @@ class Field(Light, Sight):
         factor = count(factor, "factor", 2, 2**31 - 1)
         if filter not in _filters:
             raise ValueError(f"filter: {filter!r}, expected one of {', '.join(map(repr, _filters))}")
-        rows, columns = (-(-(n - 1) // factor) + 1 for n in self.shape)
-        samples = np.empty((rows, columns), np.float32)
-        about = np.empty(5)
-        self._call("coarser", {"factor": factor, "filter": _filters.index(filter)}, (), (samples, about), progress, core=self._core, kernel="cell")
+        samples, difference = self._run("coarser", _coarser, factor, _filters.index(filter), progress=progress, core=self._core, kernel="cell")
         affine = self._source.map.copy()
         affine[:, :2] *= factor
         like = coarser_like(self._source.like, affine, samples, factor)
         field = Field.__new__(Field)
         field._make(self._source._replace(samples=samples, map=affine, like=like), self._threads, False, None)
-        field._difference = Difference(*about[:3].tolist(), *map(int, about[3:]))
+        field._difference = difference
         return field
 
     def update(self, row: int, column: int, block: ArrayLike, nodata: float | None = None) -> None:
@@ -339,7 +378,9 @@ class Field(Light, Sight):
             self._own = True
             self._build(self._samples.copy())
         self._updated = True
-        self._call("block", {}, (block,), (np.empty_like(block),), window=(row, column, rows, columns), core=self._core)
+        if not self._samples.flags.writeable:
+            raise RuntimeError("update: the samples are read-only")
+        self._run("block", _update, self._samples, row, column, block, core=self._core, change=True)
 
 
 def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None = None, nodata: float | None = None,
@@ -365,19 +406,17 @@ def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None =
         raise TypeError(f"path: {path!r}, expected a path")
     path = os.fspath(path)
     column, row, columns, rows = _window(window)
-    given = _cellwalk.read_raster(path, 0 if band is None else count(band, "band", 1, 65535),
-                                  nodata_of(nodata), 0.0 if cellsize is None else finite(cellsize, "cellsize", 0),
-                                  0.0 if zscale is None else finite(zscale, "zscale", 0), (column, row, columns, rows),
-                                  progress_call(progress))
-    for sentence in given["warnings"]:  # arguments in place of the program's options
+    given = read_raster(path, 0 if band is None else count(band, "band", 1, 65535), nodata_of(nodata),
+                        0.0 if cellsize is None else finite(cellsize, "cellsize", 0),
+                        0.0 if zscale is None else finite(zscale, "zscale", 0), (column, row, columns, rows), progress)
+    for sentence in given.warnings:  # arguments in place of the program's options
         text = re.sub(r"--(band|nodata|zscale)( (?=[-\d]))?", lambda found: found[1] + ("=" if found[2] else ""), sentence)
         warnings.warn(text, stacklevel=2)
-    known = Crs(given["crs"][0], *given["crs"]) if crs is None else read_crs(crs)
-    samples = samples_of_file(given)
-    if min(samples.shape) < 2:
-        raise ValueError(f"{path}: {samples.shape[0]} rows of {samples.shape[1]} samples, expected at least 2 of each")
+    known = given.crs if crs is None else read_crs(crs)
+    if min(given.shape) < 2:
+        raise ValueError(f"{path}: {given.shape[0]} rows of {given.shape[1]} samples, expected at least 2 of each")
     field = Field.__new__(Field)
-    field._make(Source(samples, map_of_file(given), given["placed"], known, None, given["nodata"]), threads, False, progress)
+    field._make(Source(given.samples, given.map, given.placed, known, None, given.nodata), threads, False, progress)
     field._origin = path, window if window is None else (column, row, columns, rows), band, nodata, cellsize, zscale, crs, threads
     return field
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
 import numpy as np
 
-from . import _cellwalk  # type: ignore[attr-defined]
-from ._convert import count, finite, numbers, warn
-from ._plans import NOWHERE, Plan, Products, distance_of, round_of, spots_of
+from ._convert import count, finite, numbers
+from ._core import c_text, ffi, lib, owner, warn
+from ._plans import Plan, Products, distance_of, find_eye, round_of, spots_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -61,10 +61,10 @@ class SunDays(NamedTuple):
 
 def seconds_of(time: Time) -> float:
     if isinstance(time, str):
-        seconds = _cellwalk.parse_time(time)
-        if seconds is None:
+        seconds = ffi.new("double *")
+        if not lib.cw_sun_parse_time(c_text(time), seconds):
             raise ValueError(f"time: {time!r}, expected a time with its zone, as 2024-06-21T12:00:00Z or +02:00")
-        return seconds
+        return seconds[0]
     if isinstance(time, np.datetime64):
         return float((time - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
     if isinstance(time, datetime.datetime):
@@ -78,9 +78,8 @@ def suns_at(seconds, longitude: float, latitude: float, turned: float = 0.0) -> 
     """Azimuth, altitude, refraction, radius and distance at each of the times."""
     times = np.atleast_1d(np.asarray(seconds, np.float64))
     out = np.empty((times.size, 5))
-    if times.size:
-        place = {"longitude": longitude, "latitude": latitude, "turned": turned}
-        NOWHERE.make("suns", place, (0, 0, 0, 0), (times,), (out,), None, None)
+    lib.suns_at(ffi.new("sun_place *", (longitude, latitude, turned)), ffi.from_buffer("double[]", times), times.size,
+                ffi.from_buffer("sun_position[]", out))
     return out
 
 
@@ -135,6 +134,58 @@ def suns_of(suns, date, to) -> tuple[np.ndarray, np.ndarray]:
     return places, np.ascontiguousarray(given[:, 2]) if given.shape[1] == 3 else np.ones(len(given))
 
 
+# ---- what is called for a plan ----------------------------------------------------------------------------------------------
+
+
+_FILL = {"shadow": (lib.cw_shadow, "cw_light *", "uint8_t[]"), "sunlight": (lib.cw_sunlight, "cw_light *", "float[]"),
+         "sky_view": (lib.cw_sky_view, "cw_horizon *", "float[]"), "openness": (lib.cw_openness, "cw_horizon *", "float[]")}
+
+
+def _fill(core, work, area, out, how, which):
+    function, struct, kind = _FILL[which]
+    return function(core.terrain, work.run, ffi.new(struct, how), area, ffi.from_buffer(kind, out))
+
+
+def _horizon(core, work, area, out, sky, metres):
+    horizon = ffi.new("cw_horizon *", sky)
+    for k, plane in enumerate(out):
+        work.part(k, len(out))
+        to = ffi.from_buffer("float[]", plane)
+        angles, distances = (ffi.NULL, to) if metres else (to, ffi.NULL)
+        work.check(lib.cw_horizon_angles(core.terrain, work.run, horizon, k, area, angles, distances))
+
+
+def _insolation(core, work, area, out, how, suns, weights, energy, sky):
+    """Hours or, with energy, a plane of direct light and without weights one of diffuse light."""
+    given = {"suns": ffi.from_buffer("sun_position[]", suns), "count": len(suns),
+             "weights": ffi.NULL if weights is None else ffi.from_buffer("double[]", weights)}
+    found, planes = owner("insolation **", lib.drop_insolation), out.reshape(-1, *out.shape[-2:])
+    work.check(lib.cw_insolation_create(core.terrain, ffi.new("insolation_desc *", {**how, **given}), found))
+    work.part(0, len(planes))
+    direct = lib.cw_insolation_direct if energy else lib.cw_insolation_hours
+    work.check(direct(found[0], work.run, area, ffi.from_buffer("float[]", planes[0])))
+    if len(planes) > 1:
+        work.part(1, 2)
+        diffuse = {"count": sky, "curvature": how["curvature"], "flags": lib.CW_HORIZON_TILTED}
+        work.check(_fill(core, work, area, planes[1], diffuse, "sky_view"))
+        planes[1] *= np.float32(lib.cw_insolation_diffuse(found[0]))
+
+
+def _sun_days(core, work, spot, how, lean, curvature, first, suns, weights, out):
+    """out: a sun_day for each day, or one of the suns."""
+    day, terrain, eye, sight = ffi.new("sun_day_desc *", how), core.with_bounds(work), find_eye(core, spot, "x, y"), ffi.new("sight *")
+    if lean and not lib.sun_ground_lean(terrain, eye, ffi.addressof(day, "tilt"), ffi.addressof(day, "facing")):
+        raise MemoryError("sun_days: out of memory")
+    lib.cw_sight_init(sight, terrain, terrain.bounds, eye, curvature)
+    if suns is not None:
+        out[0] = lib.sun_day_of_list(sight, day, ffi.from_buffer("sun_position[]", suns), ffi.from_buffer("double[]", weights), len(suns))
+        return
+    share = lib.sun_sky_share(sight, day)
+    for k in range(len(out)):
+        work.part(k, len(out))
+        out[k] = lib.sun_day_find(sight, day, share, first + 86400.0 * k)
+
+
 class Light(Products):
     """Methods of Field."""
 
@@ -172,12 +223,13 @@ class Light(Products):
         light = {"azimuth": finite(225 if azimuth is None else azimuth, "azimuth"),
                  "altitude": finite(30 if altitude is None else altitude, "altitude", -90, 90)}
         disc = _SUN_RADIUS if disc is True else finite(disc, "disc", 0, 10)
-        how = {**light, "disc": disc, "curvature": finite(curvature, "curvature", 0), "hillshade": bool(hillshade)}
+        how = {**light, "radius": disc, "curvature": finite(curvature, "curvature", 0), "hillshade": bool(hillshade)}
         share = disc > 0 or bool(hillshade)
         if light["altitude"] <= 0:
             warn(f"altitude: the sun is at {light['altitude']:.3f} degrees, below the horizon")
         attrs = {"long_name": "sunlight", **light, **({} if share else {"_FillValue": np.uint8(255)})}
-        return self._product(Plan("shadow", {**how, "share": share}, "shadow", attrs, np.float32 if share else np.uint8), progress)
+        dtype, which = (np.float32, "sunlight") if share else (np.uint8, "shadow")
+        return self._product(Plan("shadow", _fill, how, "shadow", attrs, dtype, inputs=(which,)), progress)
 
     def insolation(self, date: Day | None = None, to: Day | None = None, *, suns: ArrayLike | None = None, step: str | float | datetime.timedelta = "15min", directions: int | None = None,
                    irradiance: bool = False, linke: float = 3.0, sky: int = 32, lon_lat: tuple[float, float] | None = None,
@@ -208,12 +260,13 @@ class Light(Products):
             array([11.25,  6.5 ], dtype=float32)
         """
         seconds = _step(step)
-        how = {"hours": seconds / 3600, "linke": finite(linke, "linke", 1, 10), "sky": count(sky, "sky", 1, 3600),
-               "directions": 0 if directions is None else count(directions, "directions", 8, 3600),
-               "curvature": finite(curvature, "curvature", 0), "energy": bool(irradiance)}
+        linke, sky = finite(linke, "linke", 1, 10), count(sky, "sky", 1, 3600)
+        how = {"hours": seconds / 3600, "linke": linke, "directions": 0 if directions is None else count(directions, "directions", 8, 3600),
+               "curvature": finite(curvature, "curvature", 0)}
         if suns is not None:
             about = {"long_name": f"weights of the suns {'on the ground' if irradiance else 'that are seen'}"}
-            return self._product(Plan("insolation", how, "sunlight", about, inputs=suns_of(suns, date, to)), progress)
+            inputs = *suns_of(suns, date, to), bool(irradiance), sky
+            return self._product(Plan("insolation", _insolation, how, "sunlight", about, inputs=inputs), progress)
         first, days = _span(date, to)
         place = self._locate("date") if lon_lat is None else (*_lon_lat(lon_lat), 0.0)
         steps = round(days * 86400 / seconds)
@@ -221,12 +274,12 @@ class Light(Products):
             raise ValueError(f"step: {step!r} makes {steps} steps of the time from {date} to {to or date}, expected at most 1100000")
         # Days begin at midnight of the place's mean solar time; the sun stands in the middle of each step.
         midnight = first - place[0] / 360 * 86400
-        places = suns_at(midnight + (np.arange(steps) + 0.5) * seconds, *place)
+        inputs = suns_at(midnight + (np.arange(steps) + 0.5) * seconds, *place), None, bool(irradiance), sky
         if irradiance:
-            plan = Plan("insolation", how, "irradiance", {"long_name": "energy of sunlight on the ground", "units": "Wh m-2"},
-                        lead=("light", ["direct", "diffuse"]), inputs=(places,))
+            plan = Plan("insolation", _insolation, how, "irradiance", {"long_name": "energy of sunlight on the ground", "units": "Wh m-2"},
+                        lead=("light", ["direct", "diffuse"]), inputs=inputs)
         else:
-            plan = Plan("insolation", how, "sunlight_hours", {"long_name": "hours of direct sunlight", "units": "h"}, inputs=(places,))
+            plan = Plan("insolation", _insolation, how, "sunlight_hours", {"long_name": "hours of direct sunlight", "units": "h"}, inputs=inputs)
         return self._product(plan, progress)
 
     def sun_days(self, x: float, y: float, date: Day | None = None, to: Day | None = None, height: float | None = None,
@@ -256,16 +309,17 @@ class Light(Products):
             raise ValueError(f"x, y: {len(spots)} places, expected one")
         listed, ground = suns is not None, isinstance(tilt, str)
         first, days = (0.0, 1) if listed else _span(date, to)
-        longitude, latitude, turned = ((0.0, 0.0, 0.0) if listed else self._locate("date", (spots[0, 0], spots[0, 1])) if lon_lat is None else
-                                       (*_lon_lat(lon_lat), 0.0))
+        place = ((0.0, 0.0, 0.0) if listed else self._locate("date", (spots[0, 0], spots[0, 1])) if lon_lat is None else
+                 (*_lon_lat(lon_lat), 0.0))
         if ground and tilt != "ground":
             raise ValueError(f"tilt: {tilt!r}, expected degrees or 'ground'")
-        how = {"first": first, "days": days, "step": _step(step), "tilt": 0 if ground else finite(tilt, "tilt", 0, 180), "lean": ground,
-               "facing": finite(facing, "facing"), "linke": finite(linke, "linke", 1, 10), "sky": count(sky, "sky", 1, 3600),
-               "longitude": longitude, "latitude": latitude, "turned": turned, "curvature": finite(curvature, "curvature", 0),
-               "max_distance": distance_of(max_distance)}
+        how = {"step": _step(step), "tilt": 0 if ground else finite(tilt, "tilt", 0, 180), "facing": finite(facing, "facing"),
+               "linke": finite(linke, "linke", 1, 10), "sky": count(sky, "sky", 1, 3600), "place": place}
+        bend, how["max_distance"] = finite(curvature, "curvature", 0), distance_of(max_distance)
+        places, weights = suns_of(suns, date, to) if listed else (None, None)
         out = np.empty((days, 8))
-        self._call("sun_days", how, (spots, *(suns_of(suns, date, to) if listed else ())), (out,), progress, threads=1)
+        self._run("sun_days", _sun_days, spots[0], how, ground, bend, first, places, weights, ffi.from_buffer("sun_day[]", out),
+                  progress=progress, threads=1)
         dates = np.datetime64("NaT" if listed else int(first), "s").astype("datetime64[D]") + np.arange(days)
         times = np.where(np.isnan(out[:, :2]), np.datetime64("NaT"), np.nan_to_num(out[:, :2]).round().astype("datetime64[s]"))
         return SunDays(dates, times[:, 0], times[:, 1], *out[:, 2:].T.copy())
@@ -291,7 +345,7 @@ class Light(Products):
         sky = round_of(directions, max_distance, curvature, start)
         azimuths = np.fmod(sky["start"] + 360 * np.arange(directions) / directions, 360)
         about = {"long_name": "distance to the horizon", "units": "m"} if distance else {"long_name": "horizon", "units": "degrees"}
-        plan = Plan("horizon", {**sky, "metres": bool(distance)}, "horizon", about, lead=("azimuth", azimuths))
+        plan = Plan("horizon", _horizon, sky, "horizon", about, lead=("azimuth", azimuths), inputs=(bool(distance),))
         return self._product(plan, progress)
 
     def sky_view(self, directions: int = 32, max_distance: float | None = None, *, curvature: float = 0.0,
@@ -307,8 +361,8 @@ class Light(Products):
             >>> cw.Field(np.zeros((3, 3), "float32")).sky_view()[1, 1]
             1.0
         """
-        how = {**round_of(directions, max_distance, curvature), "tilted": bool(tilted)}
-        return self._product(Plan("sky_view", how, "sky_view", {"long_name": "sky-view factor"}), progress)
+        sky = round_of(directions, max_distance, curvature, 0.0, lib.CW_HORIZON_TILTED if tilted else 0)
+        return self._product(Plan("sky_view", _fill, sky, "sky_view", {"long_name": "sky-view factor"}, inputs=("sky_view",)), progress)
 
     def openness(self, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
                  negative: bool = False, progress=None) -> Any:
@@ -323,8 +377,8 @@ class Light(Products):
             >>> f.openness(4)[2, 2].round(2), f.openness(4, negative=True)[2, 2].round(2)
             (135.0, 26.57)
         """
-        how = {**round_of(directions, max_distance, curvature, start), "below": bool(negative)}
-        if negative and how["curvature"] != 0:
+        sky = round_of(directions, max_distance, curvature, start, lib.CW_HORIZON_BELOW if negative else 0)
+        if negative and sky["curvature"] != 0:
             raise ValueError("negative: is that of a flat earth, and goes without curvature")
         about = {"long_name": f"{'negative ' if negative else ''}openness", "units": "degrees"}
-        return self._product(Plan("openness", how, "openness", about), progress)
+        return self._product(Plan("openness", _fill, sky, "openness", about, inputs=("openness",)), progress)

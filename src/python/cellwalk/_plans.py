@@ -1,23 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a product's arguments, checked, become a plan: numbers by name for the extension, and how the result looks. Field makes a plan's
-product of all rows, cellwalk.dask of a chunk's."""
+"""How a product's arguments, checked, become a plan: the library's structs by the names of their members, and how the result looks. Field
+makes a plan's product of all rows, cellwalk.dask of a chunk's. And places: spots, lines of sight."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Optional
+from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
 
-from . import _cellwalk  # type: ignore[attr-defined]
-from ._convert import Source, count, dress, finite, numbers, pool_of, progress_call
+from ._convert import Source, count, dress, finite, numbers
+from ._core import Core, Work, ffi, lib
+from ._raster import find_place
 
 SPOTS_MOST = 65534  # which uint16 counts
 _DEGREES = 180 / 3.141592653589793
 
 
 class Plan(NamedTuple):
-    make: str  # the extension's name
-    numbers: dict[str, float]
+    method: str  # which messages of the library begin with
+    make: Callable[..., Any]  # (core, work, area, out, numbers, *inputs)
+    numbers: dict[str, Any]  # members of the struct that says how
     name: str  # the result's
     attrs: dict[str, Any]
     dtype: Any = np.float32
@@ -31,24 +33,24 @@ class Plan(NamedTuple):
 
 class Products:
     """Methods of Field, which has these members."""
-    _ground: _cellwalk.Field
+    _ground: Core
     _source: Source
     _samples: np.ndarray
     _threads: int
     shape: tuple[int, int]
 
-    def _call(self, name: str, numbers: dict[str, float], inputs: tuple, outputs: tuple, progress=None, *, threads: int | None = None,
-              window: tuple[int, int, int, int] = (0, 0, 0, 0), core: _cellwalk.Field | None = None, kernel: str | None = None, text: str | None = None) -> None:
-        """One call of the extension: of the ground, or of the field's core, whose map need not have a way back."""
-        pool = pool_of(self._threads if threads is None else threads)
-        (self._ground if core is None else core).make(name, numbers, window, inputs, outputs, pool, progress_call(progress), kernel,
-                                                           text)
+    def _run(self, method: str, make: Callable[..., Any], *arguments, progress=None, threads: int | None = None, core: Core | None = None,
+             kernel: str | None = None, change: bool = False) -> Any:
+        """make(core, work, *arguments) of the ground, or of the field's core, whose map need not have a way back."""
+        work = Work(method, self._threads if threads is None else threads, progress, kernel)
+        return (self._ground if core is None else core).use(work, make, *arguments, change=change)
 
     def _rows(self, plan: Plan, window: tuple[int, int, int, int] | None = None, progress=None) -> np.ndarray:
         """The plan's product of all samples, or of a window's."""
-        window = (0, 0, *self.shape) if window is None else window
-        out = np.zeros(plan.shape(*window[2:]), plan.dtype)
-        self._call(plan.make, plan.numbers, plan.inputs, (out,), progress, window=window)
+        row, column, rows, columns = (0, 0, *self.shape) if window is None else window
+        out = np.zeros(plan.shape(rows, columns), plan.dtype)
+        area = ffi.new("cw_area *", {"at": (column, row, columns, rows)})[0]
+        self._run(plan.method, plan.make, area, out, plan.numbers, *plan.inputs, progress=progress)
         return out
 
     def _dress(self, plan: Plan, data: np.ndarray) -> Any:
@@ -71,18 +73,11 @@ class Products:
         if known.wkt is None:
             raise ValueError(f"{what}: without a coordinate system (crs) nothing says where the sun stands; give "
                              f"{'azimuth and altitude' if what == 'time' else 'lon_lat'}")
-        out = np.empty(3)
-        NOWHERE.make("crs", {"x": x, "y": y}, (0, 0, 0, 0), (), (out,), None, None, None, known.wkt)
-        longitude, latitude, turned = out.tolist()
-        return longitude, latitude, turned
+        return find_place(known.wkt, x, y)
 
     def _bend(self, curvature) -> float:
         """The curvature of lines of sight."""
         return (6.0 / 7 if self._source.placed else 0.0) if curvature is None else finite(curvature, "curvature", 0)
-
-
-# For what no field is asked.
-NOWHERE = _cellwalk.Field(None, 2, 2, np.eye(3, 4), False, False, 0.0, 0.0, 0.0, None, None)
 
 
 def distance_of(max_distance) -> float:
@@ -95,9 +90,10 @@ def distance_of(max_distance) -> float:
     return distance
 
 
-def round_of(directions, max_distance, curvature, start=0.0) -> dict[str, float]:
-    return {"start": finite(start, "start"), "directions": count(directions, "directions", 1, 3600),
-            "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0)}
+def round_of(directions, max_distance, curvature, start=0.0, flags: int = 0) -> dict[str, Any]:
+    """A cw_horizon."""
+    return {"start": finite(start, "start"), "count": count(directions, "directions", 1, 3600),
+            "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0), "flags": flags}
 
 
 def spots_of(x, y, height, elevation, default: float = 2.0, weights=None, of: str = "observer_") -> np.ndarray:
@@ -121,3 +117,58 @@ def spots_of(x, y, height, elevation, default: float = 2.0, weights=None, of: st
     if not 1 <= len(spots) <= SPOTS_MOST:
         raise ValueError(f"x, y: {len(spots)} places, expected 1 to {SPOTS_MOST}")
     return np.ascontiguousarray(spots)
+
+
+def find_eye(core: Core, spot, name: Optional[str]) -> Any:
+    """Field coordinates of a spot that one can look from. name: the argument's, for the error; None: return None."""
+    x, y, z, absolute, _ = spot
+    at, level = ffi.new("double[3]"), ffi.new("double *")
+    place = ffi.new("ground_place *", {"x": x, "y": core.north(y), "z": z, "absolute": bool(absolute)})
+    if lib.ground_find_place(core.terrain, place, at, level, ffi.NULL):
+        return at
+    if name is not None:
+        why = ("is too far away from the terrain" if not lib.cw_terrain_find_place(core.terrain, place.x, place.y, at) else
+               "has no ground under it; give the height itself, absolute" if level[0] != level[0] else
+               "is under the ground" if z < (level[0] if absolute else 0) else "is too high")
+        raise ValueError(f"{name}: ({x:.10g}, {y:.10g}, {z:.10g}) {why}")
+    return None
+
+
+def along(core, work, spots, every):
+    """Observers along a line."""
+    corners = ffi.new("ground_place[]", [{"x": x, "y": core.north(y), "z": z, "absolute": bool(absolute), "weight": weight}
+                                         for x, y, z, absolute, weight in spots])
+    source = ffi.new("observers_from *", {"places": corners, "place_count": len(spots), "every": every})
+    ground, error = ffi.new("ground *", {"whole": core.terrain[0]}), ffi.new("io_error *")
+    found = ffi.gc(ffi.new("observers *"), lib.observers_free)
+    if not lib.observers_find(found, source, ground, error):
+        raise ValueError(f"every: {ffi.string(error.text).decode()}")
+    if found.count > SPOTS_MOST:
+        raise ValueError(f"every: {every!r} makes {found.count} observers, expected at most {SPOTS_MOST}")
+    return np.array([(o.x, core.north(o.y), o.z, o.absolute, o.weight) for o in found.list[0:found.count]], np.float64)
+
+
+# Of include/cellwalk_terrain.h.
+SIGHT = np.dtype([("ends", "f8", (2, 3)), ("absolute", "u4"), ("zero", "u4")])
+ANSWER = np.dtype([("metres", "f8"), ("blocked", "f8", 3), ("distance", "f8"), ("state", "u4"), ("end", "u4")])
+
+
+def ends_of(a, b, absolute) -> np.ndarray:
+    """Lines of sight as cw_sight has them."""
+    pair = []
+    for value, name in ((a, "a"), (b, "b")):
+        ends = numbers(value, name).astype(np.float64)
+        if ends.ndim == 0 or ends.shape[-1] not in (2, 3):
+            raise ValueError(f"{name}: shape {ends.shape}, expected (..., 3) with x, y and height, or (..., 2)")
+        pair.append(np.concatenate([ends, np.zeros(ends.shape[:-1] + (3 - ends.shape[-1],))], -1))
+    try:
+        both = np.broadcast_arrays(*pair)
+    except ValueError:
+        raise ValueError(f"shapes do not broadcast: a {np.shape(a)}, b {np.shape(b)}") from None
+    lines = np.zeros(both[0].shape[:-1], SIGHT)
+    lines["ends"] = np.stack(both, -2)
+    above = (absolute, absolute) if isinstance(absolute, (bool, np.bool_)) else tuple(absolute) if np.ndim(absolute) == 1 else ()
+    if len(above) != 2:
+        raise TypeError(f"absolute: {absolute!r}, expected True, False or a pair of them")
+    lines["absolute"] = bool(above[0]) + 2 * bool(above[1])
+    return lines

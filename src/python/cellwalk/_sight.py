@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ._convert import count, finite, numbers, warn
-from ._plans import SPOTS_MOST, Plan, Products, distance_of, round_of, spots_of
+from ._convert import count, finite, numbers
+from ._core import ffi, lib, warn
+from ._plans import ANSWER, Plan, Products, along, distance_of, ends_of, find_eye, round_of, spots_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -64,7 +65,6 @@ class Sites(NamedTuple):
 _VISIBILITY = {"area": {"long_name": "ground in sight", "units": "km2"}, "share": {"long_name": "share of the ground in sight"},
                "longest": {"long_name": "farthest ground in sight", "units": "m"},
                "azimuth": {"long_name": "azimuth of the farthest ground in sight from the map's north", "units": "degrees"}}
-KINDS = ("seen", "weights", "angle", "needed", "needed_absolute")
 VIEWS = {"seen": ("viewshed", {"long_name": "number of observers that see it"}),
          "weights": ("viewshed", {"long_name": "sum of the weights of the observers that see it"}),
          "angle": ("viewshed_angle", {"long_name": "angle of the target above the eye's horizontal", "units": "degrees"}),
@@ -74,15 +74,14 @@ VIEWS = {"seen": ("viewshed", {"long_name": "number of observers that see it"}),
 
 def views_of(spots: np.ndarray, limits: dict[str, float], kind: str, bands: bool = False) -> Plan:
     """What the spots see. Counts come as uint16, weights as float64, with nothing at holes."""
-    if kind not in KINDS[:2] and len(spots) > 1 and not bands:
+    if kind not in ("seen", "weights") and len(spots) > 1 and not bands:
         raise ValueError(f"{kind}: that of one observer, not of {len(spots)}; bands=True gives one for each")
     if bands and kind == "weights":
         raise ValueError("weights: adds observers up, and bands keeps them apart")
-    if kind.startswith("needed") and "has_verticals" in limits:
+    if kind.startswith("needed") and limits["limits"] & lib.CW_OBSERVER_VERTICALS:
         raise ValueError("vertical: is about targets of a given height, and needed looks for that height")
     dtype: Any = {"seen": np.uint16, "weights": np.float64}.get(kind, np.float32)
-    return Plan("viewshed", {**limits, "kind": KINDS.index(kind), "bands": bands}, *VIEWS[kind], dtype,
-                ("observer", list(range(len(spots)))) if bands else None, (spots,))
+    return Plan("viewshed", _viewshed, limits, *VIEWS[kind], dtype, ("observer", list(range(len(spots)))) if bands else None, (spots, kind))
 
 
 def _pair(value, name: str, low: float, high: float) -> tuple[float, float]:
@@ -91,43 +90,123 @@ def _pair(value, name: str, low: float, high: float) -> tuple[float, float]:
     return finite(value[0], name, low, high), finite(value[1], name, low, high)
 
 
-def ends_of(a, b, absolute) -> tuple[tuple[int, ...], np.ndarray]:
-    """Lines as pairs of spots, and their shape."""
-    pair = []
-    for value, name in ((a, "a"), (b, "b")):
-        ends = numbers(value, name).astype(np.float64)
-        if ends.ndim == 0 or ends.shape[-1] not in (2, 3):
-            raise ValueError(f"{name}: shape {ends.shape}, expected (..., 3) with x, y and height, or (..., 2)")
-        pair.append(np.concatenate([ends, np.zeros(ends.shape[:-1] + (5 - ends.shape[-1],))], -1))
-    try:
-        both = np.broadcast_arrays(*pair)
-    except ValueError:
-        raise ValueError(f"shapes do not broadcast: a {np.shape(a)}, b {np.shape(b)}") from None
-    lines = np.ascontiguousarray(np.stack(both, -2))
-    above = (absolute, absolute) if isinstance(absolute, (bool, np.bool_)) else tuple(absolute) if np.ndim(absolute) == 1 else ()
-    if len(above) != 2:
-        raise TypeError(f"absolute: {absolute!r}, expected True, False or a pair of them")
-    lines[..., 3] = above
-    return lines.shape[:-2], lines
+# ---- what is called -------------------------------------------------------------------------------------------------------
+
+
+def _look(core, work, terrain, spot, limits, area, **to):
+    """What one observer sees; to: members of cw_view. Returns where the eye is."""
+    eye = find_eye(core, spot, "x, y")
+    # The eye's height is that of the place that was found, bit for bit.
+    where = {"x": spot[0], "y": core.north(spot[1]), "height": eye[2] * terrain.map[2][2], "absolute": 1}
+    work.check(lib.cw_viewshed(terrain, work.run, ffi.new("cw_observer *", {**limits, **where}), area, ffi.new("cw_view *", to)))
+    return eye
+
+
+def _viewshed(core, work, area, out, limits, spots, kind):
+    """Of each sample a uint16 that grows by 1 for each observer that sees it, a double that grows by the observer's weight, or a float; or a
+    plane of them for each observer."""
+    terrain = core.with_bounds(work)
+    for k, spot in enumerate(spots):
+        work.part(k, len(spots))
+        to = out[k] if out.ndim == 3 else out
+        if kind == "seen":
+            view = {"seen": ffi.from_buffer("uint16_t[]", to)}
+        elif kind == "weights":  # one of 0 adds nothing
+            view = {"sum": ffi.from_buffer("double[]", to), "weight": spot[4]} if spot[4] else {}
+        else:
+            view = {"angle" if kind == "angle" else "needed": ffi.from_buffer("float[]", to)}
+        _look(core, work, terrain, spot, limits, area, **view)
+
+
+def _sites(core, work, area, limits, spots, within):
+    """Of each observer: samples, square kilometres, the farthest one's distance and place."""
+    terrain, seen, table = core.with_bounds(work), np.empty(core.shape, np.uint16), np.empty((len(spots), 5))
+    counts = ffi.from_buffer("uint16_t[]", seen)
+    mask = ffi.NULL if within is None else ffi.from_buffer("uint8_t[]", within)
+    for k, spot in enumerate(spots):
+        work.part(k, len(spots))
+        seen[:] = 0
+        eye = _look(core, work, terrain, spot, limits, area, seen=counts)
+        v = lib.view_sum_of(terrain, area.at, counts, mask, eye)
+        table[k] = v.samples, v.km2, v.farthest, v.farthest_at[0], core.north(v.farthest_at[1])
+    return table
+
+
+def _horizons(core, work, spots, sky):
+    terrain, out, sight, horizon = core.with_bounds(work), np.empty((len(spots), sky["count"], 5)), ffi.new("sight *"), ffi.new("cw_horizon *", sky)
+    for k, (spot, to) in enumerate(zip(spots, out)):
+        work.part(k, len(spots))
+        eye = find_eye(core, spot, "x, y")
+        if np.isnan(lib.cw_terrain_height(terrain, eye[0], eye[1])):
+            raise ValueError(f"x, y: ({spot[0]:.10g}, {spot[1]:.10g}) is not on the terrain, where the horizon is found")
+        lib.cw_sight_init(sight, terrain, terrain.bounds, eye, horizon.curvature)
+        lib.horizon_round(sight, horizon, ffi.from_buffer("place_horizon[]", to))
+    out[..., 4] = core.north(out[..., 4])
+    return out
+
+
+def _northward(core, lines):
+    """The lines as they are on the terrain."""
+    lines = lines.copy()
+    lines["ends"][..., 1] = core.north(lines["ends"][..., 1])
+    return lines
+
+
+def _check_ends(core, line) -> None:
+    for end in range(2):
+        find_eye(core, (*line["ends"][end].tolist(), line["absolute"] >> end & 1, 0), "ab"[end])
+
+
+def _lines(core, work, lines, curvature, frequency):
+    """Answers, and of each line a clearance."""
+    placed, answers = _northward(core, lines), np.empty(lines.shape, ANSWER)
+    clearances = np.full((*lines.shape, 3), np.nan)
+    given, to = (ffi.from_buffer("cw_sight[]", placed), lines.size), ffi.from_buffer("cw_sight_answer[]", answers)
+    if not frequency:
+        work.check(lib.cw_lines_of_sight(core.terrain, work.run, curvature, *given, to))
+    elif not lib.lines_clearance(core.terrain, work.c, curvature, frequency, *given, to, ffi.from_buffer("clearance[]", clearances)):
+        raise MemoryError("line_of_sight: out of memory")
+    for wrong in np.flatnonzero(answers["state"] >= lib.CW_SIGHT_NO_GROUND)[:1]:
+        _check_ends(core, lines.reshape(-1)[wrong])
+    answers["blocked"][..., 1] = core.north(answers["blocked"][..., 1])
+    return answers, clearances
+
+
+def _profile(core, work, line, curvature, frequency):
+    _check_ends(core, line)
+    (a, b), absolute = _northward(core, line)["ends"].tolist(), int(line["absolute"])
+    ends = ffi.new("ground_place[2]", [{"x": p[0], "y": p[1], "z": p[2], "absolute": bool(absolute >> k & 1)} for k, p in enumerate((a, b))])
+    found, points = ffi.new("line *"), ffi.gc(ffi.new("profile *"), lib.cw_profile_free)
+    lib.line_find(found, core.terrain, ends, curvature, ffi.NULL)
+    work.check(lib.cw_profile_make(points, ffi.addressof(found, "sight"), *found.target))
+    rows = np.empty((points.count, 7))
+    lib.line_rows(found, frequency, points, ffi.from_buffer("line_row[]", rows))
+    rows[:, 2] = core.north(rows[:, 2])
+    return rows
+
+
+def _visibility(core, work, area, out, how, member):
+    answers = ffi.new("cw_visibility_answers *", {member: ffi.from_buffer("float[]", out)})
+    return lib.cw_visibility(core.terrain, work.run, ffi.new("cw_visibility_desc *", how), area, answers)
 
 
 class Sight(Products):
     """Methods of Field."""
 
-    def _limits(self, target_height, max_distance, min_distance, azimuth, vertical, curvature) -> dict[str, float]:
-        """Which targets count, and the earth's curvature."""
-        limits = {"target_height": finite(target_height, "target_height"), "max_distance": distance_of(max_distance),
-                  "min_distance": finite(min_distance, "min_distance", 0), "curvature": self._bend(curvature)}
-        if max_distance is not None and limits["min_distance"] > limits["max_distance"]:
+    def _limits(self, target_height, max_distance, min_distance, azimuth, vertical, curvature) -> dict[str, Any]:
+        """Which targets count, and the earth's curvature, as cw_observer has them."""
+        limits: dict[str, Any] = {"target": finite(target_height, "target_height"), "farthest": distance_of(max_distance),
+                                  "nearest": finite(min_distance, "min_distance", 0), "curvature": self._bend(curvature), "limits": 0}
+        if max_distance is not None and limits["nearest"] > limits["farthest"]:
             raise ValueError(f"min_distance: {min_distance} is more than max_distance={max_distance}")
         if azimuth is not None:
-            first, until = _pair(azimuth, "azimuth", -360, 360)
-            limits.update(has_azimuths=1, azimuth=first, azimuth_until=until)
+            limits["azimuths"] = _pair(azimuth, "azimuth", -360, 360)
+            limits["limits"] |= lib.CW_OBSERVER_AZIMUTHS
         if vertical is not None:
-            lowest, highest = _pair(vertical, "vertical", -90, 90)
-            if lowest > highest:
+            limits["verticals"] = _pair(vertical, "vertical", -90, 90)
+            if limits["verticals"][0] > limits["verticals"][1]:
                 raise ValueError(f"vertical: {vertical!r}, expected the lower angle first")
-            limits.update(has_verticals=1, lowest=lowest, highest=highest)
+            limits["limits"] |= lib.CW_OBSERVER_VERTICALS
         return limits
 
     def _spots(self, spots: np.ndarray, every: float | None, skip_outside: bool) -> np.ndarray:
@@ -136,22 +215,17 @@ class Sight(Products):
         if every is not None:
             if len(spots) < 2 or not finite(every, "every", 0) > 0:
                 raise ValueError(f"every: {every!r}, expected metres above 0, and two corners of a line or more")
-            line, number = np.empty((SPOTS_MOST, 5)), np.empty(1)
-            self._call("along", {"every": float(every)}, (spots,), (line, number), threads=1)
-            if number[0] > len(line):
-                raise ValueError(f"every: {every!r} makes {number[0]:.0f} observers, expected at most {len(line)}")
-            spots = np.ascontiguousarray(line[:int(number[0])])
+            spots = self._run("along", along, spots, every, threads=1)
         if not skip_outside:
             return spots
-        found = np.empty(len(spots), np.uint8)
-        self._call("found", {}, (spots,), (found,), threads=1)
+        found = self._run("found", lambda core, work: np.array([find_eye(core, spot, None) is not None for spot in spots]), threads=1)
         if not found.any():
             raise ValueError(f"x, y: none of {len(spots)} observers has ground to stand on")
         if not found.all():
-            lost = np.flatnonzero(found == 0)
+            lost = np.flatnonzero(~found)
             warn(f"x, y: {len(lost)} of {len(spots)} observers have no ground to stand on or are under it and are skipped: "
                  f"{', '.join(map(str, lost[:10]))}{', ...' if len(lost) > 10 else ''}")
-        return np.ascontiguousarray(spots[found == 1])
+        return spots[found]
 
     def viewshed(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike | None = None, target_height: float = 0.0,
                  max_distance: float | None = None, needed: bool | str = False, *, observer_elevation: ArrayLike | None = None,
@@ -224,13 +298,13 @@ class Sight(Products):
         """
         spots = self._spots(spots_of(x, y, observer_height, observer_elevation), every, skip_outside)
         limits = self._limits(target_height, max_distance, min_distance, azimuth, vertical, curvature)
-        mask: tuple = ()
         if within is not None:
-            mask = (np.ascontiguousarray(np.asarray(within) != 0, np.uint8),)
-            if mask[0].shape != self.shape:
-                raise ValueError(f"within: shape {mask[0].shape}, expected the field's {self.shape}")
-        out = np.empty((len(spots), 5))
-        self._call("viewshed", limits, (spots, *mask), (np.empty(self.shape, np.uint16), out), progress, window=(0, 0, *self.shape))
+            within = np.ascontiguousarray(np.asarray(within) != 0, np.uint8)
+            if within.shape != self.shape:
+                raise ValueError(f"within: shape {within.shape}, expected the field's {self.shape}")
+        rows, columns = self.shape
+        area = ffi.new("cw_area *", {"at": (0, 0, columns, rows)})[0]
+        out = self._run("viewshed", _sites, area, limits, spots, within, progress=progress)
         return Sites(out[:, 0].astype(np.int64), out[:, 1], out[:, 2], out[:, 3:])
 
     def horizon_at(self, x: ArrayLike, y: ArrayLike, height: ArrayLike | None = None, directions: int = 32, max_distance: float | None = None,
@@ -249,9 +323,7 @@ class Sight(Products):
             (45.0, 2.0)
         """
         spots = spots_of(x, y, height, elevation, 0.0, of="")
-        numbers = round_of(directions, max_distance, curvature, start)
-        out = np.empty((len(spots), directions, 5))
-        self._call("place_horizon", numbers, (spots,), (out,), progress)
+        out = self._run("place_horizon", _horizons, spots, round_of(directions, max_distance, curvature, start), progress=progress)
         turned = np.full((len(spots), 1), np.nan)
         if self._source.crs.geographic or self._source.crs.wkt is not None:
             turned[:, 0] = [self._locate("x, y", (at[0], at[1]))[2] for at in spots.tolist()]
@@ -284,12 +356,13 @@ class Sight(Products):
         if result not in _VISIBILITY:
             raise ValueError(f"result: {result!r}, expected one of {', '.join(_VISIBILITY)}")
         look = {"directions": count(directions, "directions", 1, 3600), "max_distance": distance_of(max_distance),
-                "observer_height": finite(observer_height, "observer_height", 0), "target_height": finite(target_height, "target_height", 0),
-                "curvature": self._bend(curvature), "every": count(every, "every", 1, 1 << 20), "kind": list(_VISIBILITY).index(result)}
-        return self._product(Plan("visibility", look, "visibility", _VISIBILITY[result]), progress)
+                "height": finite(observer_height, "observer_height", 0), "target": finite(target_height, "target_height", 0),
+                "curvature": self._bend(curvature), "every": count(every, "every", 1, 1 << 20)}
+        member = "farthest" if result == "longest" else result
+        return self._product(Plan("visibility", _visibility, look, "visibility", _VISIBILITY[result], inputs=(member,)), progress)
 
-    def _link(self, curvature, frequency) -> dict[str, float]:
-        return {"curvature": self._bend(curvature), "frequency": 0.0 if frequency is None else finite(frequency, "frequency", 0.1, 1e6)}
+    def _link(self, curvature, frequency) -> tuple[float, float]:
+        return self._bend(curvature), 0.0 if frequency is None else finite(frequency, "frequency", 0.1, 1e6)
 
     def line_of_sight(self, a: ArrayLike, b: ArrayLike, *, absolute: bool | tuple[bool, bool] = False, curvature: float | None = None,
                       frequency: float | None = None, progress=None) -> LineOfSight:
@@ -308,12 +381,8 @@ class Sight(Products):
             >>> bool(s.visible), s.blocked_at.round(3).tolist()
             (False, [3.333, 1.0, 1.0])
         """
-        shape, lines = ends_of(a, b, absolute)
-        out = np.full((*shape, 9), np.nan)
-        link = self._link(curvature, frequency)
-        if out.size:
-            self._call("line_of_sight", link, (lines,), (out,), progress)
-        return LineOfSight(out[..., 0] == 1, out[..., 1], out[..., 2:5], out[..., 5], out[..., 6], out[..., 7], out[..., 8])
+        out, free = self._run("line_of_sight", _lines, ends_of(a, b, absolute), *self._link(curvature, frequency), progress=progress)
+        return LineOfSight(out["state"] == lib.CW_SIGHT_SEEN, out["metres"], out["blocked"], out["distance"], free[..., 0], free[..., 1], free[..., 2])
 
     def profile(self, a: ArrayLike, b: ArrayLike, *, absolute: bool | tuple[bool, bool] = False, curvature: float | None = None,
                 frequency: float | None = None) -> Profile:
@@ -325,14 +394,8 @@ class Sight(Products):
             >>> p.distance.round(3).tolist(), p.ground.tolist()
             ([0.0, 1.0, 2.0, 3.0], [0.0, 0.0, 3.0, 0.0])
         """
-        shape, line = ends_of(a, b, absolute)
-        if shape:
-            raise ValueError(f"a, b: shape {(*shape, 3)}, expected one line")
-        link = self._link(curvature, frequency)
-        room, found = 4 * sum(self.shape), np.array([np.inf])
-        while found[0] > room or np.isinf(found[0]):
-            room = max(room, int(found[0]) if np.isfinite(found[0]) else 0)
-            out = np.empty((room, 7))
-            self._call("profile", link, (line,), (out, found), threads=1)
-        out = out[:int(found[0])].T.copy()
+        line = ends_of(a, b, absolute)
+        if line.shape:
+            raise ValueError(f"a, b: shape {(*line.shape, 3)}, expected one line")
+        out = self._run("profile", _profile, line, *self._link(curvature, frequency), threads=1).T.copy()
         return Profile(*out[:5], out[5] == 1, out[6])

@@ -30,11 +30,13 @@ import dask
 import dask.array as da
 import numpy as np
 
-from . import _cellwalk, _light  # type: ignore[attr-defined]
-from ._convert import Crs, Source, count, describe_dataarray, dress, finite, map_of_file, nodata_of, samples_of, samples_of_file, scale_of
+from . import _light, _raster
+from ._convert import Source, count, describe_dataarray, dress, finite, nodata_of, samples_of
+from ._core import Core, check, ffi, lib
 from ._field import Field, open as open_field
 from ._light import Light
 from ._plans import Plan, spots_of
+from ._raster import Crs, scale_of
 from ._sight import VIEWS, Sight, views_of
 
 # A task's samples, as they are read and as the field has them, and the field's bounds over them.
@@ -56,7 +58,7 @@ class _Window(NamedTuple):
 
     def blocks(self) -> tuple[slice, slice]:
         """Rows and columns of the blocks of src/terrain/reach/reach.h that it has samples of."""
-        size = _cellwalk.BLOCK
+        size = lib.REACH_BLOCK
         return (slice(self.row // size, -(-(self.row + self.rows) // size)),
                 slice(self.column // size, -(-(self.column + self.columns) // size)))
 
@@ -79,8 +81,7 @@ def _samples(part, g: _Site, window: _Window) -> np.ndarray:
     """part is a path with a band, or the window's block of a chunked array."""
     if isinstance(part, tuple):
         path, band = part
-        given = _cellwalk.read_raster(path, band, g.nodata, 0.0, 0.0, (window.column, window.row, window.columns, window.rows))
-        return samples_of_file(given)
+        return _raster.read_raster(path, band, g.nodata, window=(window.column, window.row, window.columns, window.rows)).samples
     return samples_of(part, g.nodata)
 
 
@@ -107,7 +108,7 @@ def _field_of(part, g, window, threads) -> Field:
 
 def _ranges(part, g, window):
     """Lowest and highest samples of the window's blocks; none of a block of holes."""
-    z, size = _samples(part, g, window), _cellwalk.BLOCK
+    z, size = _samples(part, g, window), lib.REACH_BLOCK
     rows, columns = (np.maximum(np.arange(s.start, s.stop) * size - start, 0) for s, start in zip(window.blocks(), window))
     return tuple(of.reduceat(of.reduceat(np.where(np.isfinite(z), z, none), rows, 0), columns, 1)
                  for of, none in ((np.minimum, np.float32(np.inf)), (np.maximum, np.float32(-np.inf))))
@@ -140,20 +141,43 @@ def _join(part, g, chunk, padded, nodata, views):
     return out.astype(np.uint8) if nodata == 255 else out
 
 
-def _reach_of(g: _Site):
-    """A function that says how much of a raster matters to a part of it, by src/python/extension/products.c: all "beside" it within
-    max_distance; "grown" to at least 2 rows and columns, which a field needs; the part "around" a place that a viewshed examines, without
-    rows if there is none; "sunward" all that can throw a shadow on it."""
-    raster = _cellwalk.Field(None, g.columns, g.rows, np.array(g.map), g.crs.geographic, not g.placed, g.crs.unit, g.crs.semi_major,
-                             g.crs.inverse_flattening, None, None)
-    if g.scale:
-        raster.make("scale", {}, (0, 0, 0, 0), (g.scale,), (), None, None)
+class _Reach:
+    """How much of a raster matters to a part of it."""
 
-    def ask(what: str, window=(0, 0, 0, 0), inputs=(), **numbers: float) -> _Window:
-        out = np.empty(4)
-        raster.make(what, numbers, tuple(window), inputs, (out,), None, None)
-        return _Window(*map(int, out))
-    return ask
+    def __init__(self, g: _Site) -> None:
+        self.core = Core(None, (g.rows, g.columns), np.array(g.map), g.placed, g.crs)
+        self.core.set_scale(g.scale)
+
+    def grown(self, w: _Window) -> _Window:
+        """To at least 2 rows and columns, which a field needs."""
+        return _window_of(lib.cw_reach_grow(self.core.terrain, _rectangle_of(w), 0))
+
+    def around(self, x: float, y: float, distance: float) -> _Window:
+        """The part that a viewshed from a place examines; without rows if there is none."""
+        at = ffi.new("double[2]")
+        if not lib.cw_terrain_find_place(self.core.terrain, x, self.core.north(y), at):
+            raise ValueError("x, y: an observer is too far away from the terrain")
+        return _window_of(lib.cw_reach_around(self.core.terrain, at, distance))
+
+    def matters(self, w: _Window, distance: float, ranges=None, lights=()) -> _Window:
+        """All within the distance, or with lights all that can throw a shadow on it. ranges: lowest and highest samples of all blocks, and the
+        highest of all."""
+        suns, piece = ffi.new("cw_light[]", list(lights)), ffi.new("cw_rectangle *")
+        plan = ffi.new("ground_plan *", {"by": {"distance": distance, "suns": suns, "sun_count": len(suns)}, "whole": self.core.terrain})
+        if ranges is not None:
+            low, high, highest = ranges
+            plan.blocks = {"whole": self.core.terrain, "across": low.shape[1], "down": low.shape[0], "low": ffi.from_buffer("float[]", low),
+                           "high": ffi.from_buffer("float[]", high), "highest": highest}
+        check(lib.ground_plan_around(plan, _rectangle_of(w), piece), "reach")
+        return _window_of(piece)
+
+
+def _rectangle_of(w: _Window) -> Any:
+    return ffi.new("cw_rectangle *", (w.column, w.row, w.columns, w.rows))[0]
+
+
+def _window_of(r) -> _Window:
+    return _Window(r.j, r.i, r.ny, r.nx)
 
 
 # ---- the graph --------------------------------------------------------------------------------------------------------------
@@ -164,12 +188,12 @@ def _reach_of(g: _Site):
 _BYTES = {"sunlight_hours": 12, "sunlight": 12, "irradiance": 16, "openness": 12, "visibility": 16}
 
 
-def _lights_of(plan: Plan) -> Optional[np.ndarray]:
-    """The lights by which the plan's shadows are cast, of each direction the lowest: azimuth, altitude, radius and curvature. None: the
-    plan's halo is a distance."""
-    if plan.make == "shadow":
-        return np.array([[plan.numbers[name] for name in ("azimuth", "altitude", "disc", "curvature")]])
-    if plan.make != "insolation" or plan.lead:
+def _lights_of(plan: Plan) -> Optional[list[dict[str, float]]]:
+    """The lights by which the plan's shadows are cast, of each direction the lowest, as cw_light has them. None: the plan's halo is a
+    distance."""
+    if plan.method == "shadow":
+        return [plan.numbers]
+    if plan.method != "insolation" or plan.lead:
         return None
     suns, n = plan.inputs[0][plan.inputs[0][:, 1] > 0], plan.numbers["directions"]
     azimuths = np.fmod(np.fmod(suns[:, 0], 360) + 360, 360)
@@ -178,8 +202,8 @@ def _lights_of(plan: Plan) -> Optional[np.ndarray]:
     azimuths, of = np.unique(azimuths, return_inverse=True)
     lowest = np.full(len(azimuths), 90.0)
     np.minimum.at(lowest, of, suns[:, 1])
-    lights = np.stack([azimuths, lowest, 0 * lowest, np.full(len(lowest), plan.numbers["curvature"])], -1)
-    return lights if len(lights) else np.array([[0.0, 90, 0, 0]])
+    lights = [{"azimuth": azimuth, "altitude": altitude, "curvature": plan.numbers["curvature"]} for azimuth, altitude in zip(azimuths, lowest)]
+    return lights or [{"altitude": 90.0}]
 
 
 class _Raster(Light, Sight):
@@ -194,7 +218,7 @@ class _Raster(Light, Sight):
             self.path = os.path.abspath(os.fspath(source)) if "://" not in str(source) and not str(source).startswith("/vsi") else str(source)
             self.input = self.path
             self.band = 0 if band is None else count(band, "band", 1, 65535)
-            rows, columns = _cellwalk.read_raster(self.path, self.band)["shape"]
+            rows, columns = _raster.read_raster(self.path, self.band).shape
             corner = open_field(self.path, (0, 0, 2, 2), band=band, nodata=nodata, crs=crs, threads=1)
             about = corner._source
         elif hasattr(source, "dims") and hasattr(source, "coords"):
@@ -209,9 +233,9 @@ class _Raster(Light, Sight):
         if min(rows, columns) < 2:
             raise ValueError(f"source: {rows} rows of {columns} samples, expected at least 2 of each")
         self._source, self.shape = about, (rows, columns)
-        self.site = g = _Site(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata,
-                                    scale_of(about, rows, columns, self.path or "crs") or b"")
-        self.reach = _reach_of(g)
+        self.site = _Site(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata,
+                                    scale_of(about.crs, about.placed, about.map, (rows, columns), self.path or "crs"))
+        self.reach = _Reach(self.site)
         try:
             self.chunks = da.core.normalize_chunks(2048 if chunks is None else chunks, (rows, columns), dtype=np.float32)
         except (TypeError, ValueError, ZeroDivisionError) as error:
@@ -245,11 +269,11 @@ class _Raster(Light, Sight):
 
     def block_ranges(self) -> tuple[np.ndarray, np.ndarray]:
         """Of all blocks. One pass over the raster, made at once."""
-        size, g = _cellwalk.BLOCK, self.site
+        size, g = lib.REACH_BLOCK, self.site
         shape = -(-g.rows // size), -(-g.columns // size)
         low, high = np.full(shape, np.inf, np.float32), np.full(shape, -np.inf, np.float32)
         task = dask.delayed(_ranges, pure=True)
-        windows = [self.reach("grown", w) for row in self.windows for w in row]
+        windows = [self.reach.grown(w) for row in self.windows for w in row]
         for window, (least, most) in zip(windows, dask.compute([task(self.part(w), g, w) for w in windows])[0]):
             here = window.blocks()
             np.minimum(low[here], least, out=low[here])
@@ -261,12 +285,10 @@ class _Raster(Light, Sight):
         distance, lights = plan.numbers.get("max_distance", 0), _lights_of(plan)
         if lights is not None:
             low, high = self.block_ranges()
-            highest = float(high.max())
-            windows = [[self.reach("sunward", w, (low, high, lights), highest=highest) for w in row] for row in self.windows]
-            what = f"altitude: {lights[:, 1].min()}"
+            ranges, what = (low, high, float(high.max())), f"altitude: {min(light['altitude'] for light in lights)}"
         else:
-            windows = [[self.reach("beside", w, max_distance=distance) for w in row] for row in self.windows]
-            what = f"max_distance: {f'{distance:g}' if distance else 'None, so far mountains may count'}"
+            ranges, lights, what = None, (), f"max_distance: {f'{distance:g}' if distance else 'None, so far mountains may count'}"
+        windows = [[self.reach.matters(w, distance, ranges, lights) for w in row] for row in self.windows]
         planes = len(plan.lead[1]) if plan.lead else 1
         self.check_memory(what, [pair for rows in zip(windows, self.windows) for pair in zip(*rows)], _BYTES.get(plan.name, 4 * planes))
         task = self.delayed(_make)
@@ -350,14 +372,14 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
     r = _Raster(source, **reading)
     g = r.site
     limits = r._limits(target_height, max_distance, min_distance, azimuth, vertical, curvature)
-    kind, distance = "needed" if needed else "seen", limits["max_distance"]
+    kind, distance = "needed" if needed else "seen", limits["farthest"]
     if needed and len(places) > 1:
         raise ValueError(f"needed: that of one observer, not of {len(places)}")
     task, views, whole = r.delayed(_seen), [], _Window(0, 0, g.rows, g.columns)
     for place in places:
-        window = r.reach("around", x=place[0], y=place[1], max_distance=distance) if distance else whole
+        window = r.reach.around(place[0], place[1], distance) if distance else whole
         if window.rows:
-            window = r.reach("grown", window)
+            window = r.reach.grown(window)
             r.check_memory("max_distance", [(window, window)])
             views.append((window, task(r.part(window), g, window, views_of(place[None], limits, kind), r.threads)))
 
@@ -366,7 +388,7 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
                 and v.column < w.column + w.columns and w.column < v.column + v.columns]
     nodata_out = np.float32(np.nan) if needed else np.uint8(255) if len(places) <= 254 else np.uint16(65535)
     name, attrs = VIEWS[kind]
-    join, padded = r.delayed(_join), [[r.reach("grown", w) for w in row] for row in r.windows]
+    join, padded = r.delayed(_join), [[r.reach.grown(w) for w in row] for row in r.windows]
     blocks = [[join(None if needed else r.part(p), g, w, p, nodata_out, near(w)) for w, p in zip(*rows)] for rows in zip(r.windows, padded)]
     return r.result(blocks, nodata_out.dtype, name, attrs if needed else {**attrs, "_FillValue": nodata_out})
 
@@ -397,15 +419,15 @@ def _place_of(result, like, shape) -> tuple[Optional[np.ndarray], Optional[str]]
     """Map and coordinate system, from a file or from the result's own coordinates."""
     if like is not None:
         name = os.fspath(like)
-        about = _cellwalk.read_raster(name, 0)
-        if about["shape"] != shape:
-            rows, columns = about["shape"]
+        about = _raster.read_raster(name, 0)
+        if about.shape != shape:
+            rows, columns = about.shape
             raise ValueError(f"like: {name!r} has {rows} x {columns} samples, the result {shape[0]} x {shape[1]}")
-        return (map_of_file(about), about["crs"][0]) if about["placed"] else (None, None)
+        return (about.map, about.crs.wkt) if about.placed else (None, None)
     if not hasattr(result, "dims") or any(name not in result.coords for name in result.dims[-2:]):
         return None, None
     described = describe_dataarray(result[0] if result.ndim == 3 else result)
-    return np.ascontiguousarray(described.map), described.crs.wkt
+    return described.map, described.crs.wkt
 
 
 def _refuse_inputs(array: da.Array, path, like) -> None:
@@ -440,7 +462,7 @@ def to_geotiff(result: Any, path: str | os.PathLike[str], like: str | os.PathLik
     aligned = all(edge % 256 == 0 for sizes in array.chunks[-2:] for edge in np.cumsum(sizes)[:-1])
     dtype = array.dtype.newbyteorder("=")
     nodata = np.nan if dtype.kind != "u" and dtype.kind != "i" else np.iinfo(dtype).max
-    file = _cellwalk.GeoTiff(path, bands, rows, columns, dtype.name, nodata, *_place_of(result, like, (rows, columns)), aligned)
+    file = _raster.GeoTiff(path, bands, rows, columns, dtype.name, nodata, *_place_of(result, like, (rows, columns)), aligned)
 
     def write(index, block):
         window = [n for s in index[-2:] for n in (s.start, s.stop - s.start)]

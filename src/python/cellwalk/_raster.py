@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Coordinate systems; rasters from and to files."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from typing import Any, NamedTuple, Optional
+
+import numpy as np
+
+from ._core import NULL, Work, c_text, do_io, ffi, lib, raster_door, warn
+
+WGS84 = ('GEOGCRS["WGS 84",DATUM["World Geodetic System 1984",ELLIPSOID["WGS 84",6378137,298.257223563,LENGTHUNIT["metre",1]]],'
+          'CS[ellipsoidal,2],AXIS["longitude",east],AXIS["latitude",north],ANGLEUNIT["degree",0.0174532925199433]]')
+
+
+class Crs(NamedTuple):
+    given: Any  # what the caller had
+    wkt: Optional[str]
+    geographic: bool
+    unit: float  # metres or radians in one of x and y; 0: not known
+    semi_major: float
+    inverse_flattening: float
+
+
+def read_crs(crs) -> Crs:
+    """A coordinate system as WKT, an object with to_wkt(), or what rasterio or pyproj make one of ("EPSG:32632", 4326)."""
+    if crs is None:
+        return Crs(None, None, False, 0.0, 0.0, 0.0)
+    if isinstance(crs, Crs):
+        return crs
+    if isinstance(crs, (str, int)) and str(crs).upper() in ("4326", "EPSG:4326", "OGC:CRS84"):
+        return read_crs(WGS84)._replace(given=crs)
+    text = crs.to_wkt() if hasattr(crs, "to_wkt") else crs
+    georef = georef_of(text if isinstance(text, str) else None)
+    if not georef.crs and not hasattr(crs, "to_wkt"):
+        georef = georef_of(_look_up(crs))
+    if not georef.crs:
+        raise ValueError(f"crs: {crs!r} is neither geographic nor projected")
+    return crs_of(georef, crs)
+
+
+def _look_up(crs) -> str:
+    for name in "pyproj.crs", "rasterio.crs":
+        try:
+            return importlib.import_module(name).CRS.from_user_input(crs).to_wkt()
+        except ImportError:
+            continue
+        except Exception as error:
+            raise ValueError(f"crs: {crs!r}: {error}") from None
+    raise ValueError(f"crs: {crs!r} is no well-known text, and neither pyproj nor rasterio is installed to look it up")
+
+
+def georef_of(wkt: Optional[str]) -> Any:
+    """Without crs if that is no well-known text."""
+    georef = ffi.gc(ffi.new("io_georef *"), lib.io_georef_free)
+    if wkt is not None:
+        lib.io_georef_from_wkt(georef, c_text(wkt))
+    return georef
+
+
+def crs_of(georef, given: Any = None) -> Crs:
+    wkt = ffi.string(georef.crs).decode(errors="replace") if georef.crs else None
+    return Crs(wkt if given is None else given, wkt, georef.geographic, georef.unit, georef.semi_major, georef.inverse_flattening)
+
+
+def scale_of(crs: Crs, placed: bool, affine: np.ndarray, shape: tuple[int, int], name: str) -> bytes:
+    """How long the unit of a projected map is on the ground, for Core.set_scale; warns if that is not known or not the same in all
+    directions."""
+    if crs.wkt is None or crs.geographic or not placed:
+        return b""
+    work, scale, georef = Work("crs"), ffi.new("map_scale *"), georef_of(crs.wkt)
+    georef.placed = georef.crs != NULL
+    with raster_door:
+        found = min(shape) >= 2 and lib.io_scale_find(georef, ffi.new("double[3][4]", affine.tolist()), shape[1], shape[0], c_text(name),
+                                                      lib.python_warn, work.c, scale)
+    work.check()
+    for sentence in work.told.sentences:
+        warn(sentence)
+    return bytes(ffi.buffer(scale)) if found else b""
+
+
+def find_place(wkt: str, x: float, y: float) -> tuple[float, float, float]:
+    """Longitude, latitude, and how far the map's north is turned there from the true one, toward the west."""
+    place = ffi.new("sun_place *")
+    wrong = do_io(lib.sun_place_of, ffi.new("terrain *"), georef_of(wkt), ffi.new("double[2]", [x, y]), b"crs", NULL, place)
+    if wrong:
+        raise ValueError(wrong)
+    return place.longitude, place.latitude, place.turned
+
+
+# ---- files -------------------------------------------------------------------------------------------------------------------
+
+
+class Raster(NamedTuple):
+    samples: Optional[np.ndarray]  # None: only the header was read
+    shape: tuple[int, int]
+    map: np.ndarray
+    placed: bool
+    crs: Crs
+    nodata: Optional[float]
+    warnings: list[str]
+
+
+def read_raster(path: str, band: int, nodata: Optional[float] = None, cellsize: float = 0.0, zscale: float = 0.0,
+                window: Optional[tuple[int, int, int, int]] = None, progress=None) -> Raster:
+    """Band 0: the first. window: column, row, columns and rows, all zero for all; None: of the header alone, if the format has windows."""
+    column, row, columns, rows = window or (0, 0, 0, 0)
+    work, raster = Work(path, progress=progress), ffi.gc(ffi.new("io_raster *"), lib.io_raster_free)
+    values = ffi.new("double[]", [] if nodata is None else [nodata])
+    options = ffi.new("io_raster_options *", {
+        "band": band, "nodata": values, "nodata_count": len(values), "cellsize": cellsize, "zscale": zscale, "no_samples": window is None,
+        "window": {"i": column, "j": row, "nx": columns, "ny": rows}, "warn": lib.python_warn,
+        "progress": ffi.addressof(lib, "work_watch"), "context": work.c})
+    wrong = do_io(lib.io_raster_read, c_text(os.fsencode(path)), options, raster)
+    work.check()
+    if wrong:
+        raise OSError(wrong)
+    work.finish()
+    shape = raster.ny, raster.nx
+    samples = None
+    if raster.memory:
+        memory, raster.memory = raster.memory, NULL
+        samples = np.frombuffer(ffi.buffer(ffi.gc(memory, lib.drop_samples), 4 * shape[0] * shape[1]), np.float32).reshape(shape)
+    georef = raster.georef
+    return Raster(samples, shape, np.array([list(line) for line in raster.map]), georef.placed, crs_of(georef),
+                  georef.nodata if georef.has_nodata else None, work.told.sentences)
+
+
+_CELLS = {name: getattr(lib, f"IO_CELL_{name.upper()}") for name in ("uint8", "uint16", "int16", "float32")}
+
+
+class GeoTiff:
+    """A file that is written by windows, through the same code as the program's results: it has no name before all is on the disk, and a
+    disk that is full is an error."""
+
+    def __init__(self, path, bands: int, rows: int, columns: int, dtype: str, nodata: float, affine: Optional[np.ndarray],
+                 wkt: Optional[str], compress: bool) -> None:
+        self._writer, self._process, self._dtype = ffi.new("io_raster_writer *"), os.getpid(), dtype
+        if dtype not in _CELLS:
+            raise TypeError(f"result: dtype {dtype}, expected uint8, uint16, int16 or float32; astype converts")
+        name = c_text(os.fsencode(path))
+        if not lib.io_raster_is_tif(name):
+            raise ValueError(f"path: {os.fsdecode(name)!r}, expected a name that ends in .tif")
+        georef = georef_of(wkt)
+        georef.placed = affine is not None
+        place = ffi.new("double[3][4]", [] if affine is None else affine.tolist())
+        tiles = [ffi.new("char[]", option) for option in (b"BLOCKXSIZE=256", b"BLOCKYSIZE=256")]  # end where aligned chunks do
+        creation = ffi.new("char *[]", tiles)
+        product = {"bands": bands, "ny": rows, "nx": columns, "cell": _CELLS[dtype], "map": place, "georef": georef, "has_nodata": True,
+                   "nodata": nodata, "uncompressed": not compress, "creation": creation, "creation_count": len(tiles)}
+        self._kept = georef, place, tiles, creation  # the writer has pointers to them
+        self._do(lib.io_raster_create, name, ffi.new("io_raster_product *", product))
+
+    def _is_open(self) -> bool:
+        """GDAL's unwritten tiles and the file belong to the process that opened it: a child that was forked touches neither."""
+        return self._writer.sink != NULL and self._process == os.getpid()
+
+    def _do(self, function, *arguments) -> None:
+        wrong = do_io(function, self._writer, *arguments)
+        if wrong:
+            raise OSError(wrong)
+
+    def _check(self) -> None:
+        if not self._is_open():
+            raise ValueError("the GeoTIFF is closed, or was opened by another process")
+
+    def write(self, band: int, row: int, column: int, rows: int, columns: int, block: np.ndarray) -> None:
+        """Each cell once, in any order."""
+        self._check()
+        p = self._writer.product
+        if not (0 <= band < p.bands and 0 <= row < row + rows <= p.ny and 0 <= column < column + columns <= p.nx
+                and block.nbytes == rows * columns * np.dtype(self._dtype).itemsize):
+            raise ValueError("block: not of the size of its window, or beyond the raster")
+        window = ffi.new("io_raster_window *", (column, row, columns, rows))
+        self._do(lib.io_raster_write_window, band, window, ffi.from_buffer(block))
+
+    def commit(self) -> None:
+        """The file gets its name, if every cell was written."""
+        self._check()
+        self._do(lib.io_raster_commit)
+
+    def discard(self) -> None:
+        """Nothing remains. After commit there is nothing to do."""
+        if self._is_open():
+            with raster_door:
+                lib.io_raster_discard(self._writer)
+
+    __del__ = discard
