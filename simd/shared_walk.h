@@ -43,7 +43,7 @@ CW_INLINE vmask shared_cells(bool up_x, bool up_y, packet *l, vmask among, const
         c.h01 = vf_set(z[s->stride]);
         c.h11 = vf_set(z[s->stride + 1]);
         vfind find = {c.t0, c.t1, gate}; /* any-hit queries do not set it; avoids a warning */
-        const vmask now = wt_cell_in((wt_quadrant){true, up_x, up_y}, r, &c, gate, &find);
+        const vmask now = wt_cell_in(r, &c, gate, &find);
         if (!vm_any(now)) continue;
         if (!any) keep_hits(&l->hit, !vm_any(vm_or(l->found, found)), now, &find, &c);
         found = vm_or(found, now);

@@ -22,24 +22,13 @@ typedef struct vwt {
     vfloat h00, h10, h01, h11;
 } vwt;
 
-/* Of a packet whose directions lie in one quadrant: a test that need not look for it in each lane has fewer selects. */
-typedef struct wt_quadrant {
-    bool one, up_x, up_y;
-} wt_quadrant;
-
 /* The height difference at t on the borders by which the lanes enter, or by which they leave: x borders in these lanes, else y
- * borders; on their cells' high sides in high. leaves: which of the two it is, for a known quadrant. */
-CW_INLINE vfloat wt_border(const vwt *r, vfloat t, vmask x, vmask high, wt_quadrant q, bool leaves) {
+ * borders; on their cells' high sides in high. */
+CW_INLINE vfloat wt_border(const vwt *r, vfloat t, vmask x, vmask high) {
     const vfloat from = vf_select(x, r->y, r->x), dir = vf_select(x, r->dy, r->dx);
-    vfloat a, b; /* samples at the ends of the edge, in the order of the axis along it */
-    if (q.one) {
-        const bool high_x = q.up_x == leaves, high_y = q.up_y == leaves;
-        a = vf_select(x, high_x ? r->h10 : r->h00, high_y ? r->h01 : r->h00);
-        b = vf_select(x, high_x ? r->h11 : r->h01, high_y ? r->h11 : r->h10);
-    } else {
-        a = vf_select(high, vf_select(x, r->h10, r->h01), r->h00);
-        b = vf_select(high, r->h11, vf_select(x, r->h01, r->h10));
-    }
+    /* Samples at the ends of the edge, in the order of the axis along it. */
+    const vfloat a = vf_select(high, vf_select(x, r->h10, r->h01), r->h00);
+    const vfloat b = vf_select(high, r->h11, vf_select(x, r->h01, r->h10));
     return vf_sub(vf_mul(t, r->dz), wt_edge(a, b, wt_within(from, dir, t)));
 }
 
@@ -60,7 +49,7 @@ static inline vmask wt_between(vfloat da, vfloat db) {
 }
 
 /* Lanes among which the cell is hit. *find is set only if any is false. */
-CW_INLINE vmask wt_cell_in(wt_quadrant q, const vray *ray, const vcell *c, vmask among, vfind *find) {
+CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *find) {
     const vwt r = {vf_sub(ray->x.org, c->i),
                    vf_sub(ray->y.org, c->j),
                    ray->x.dir,
@@ -78,8 +67,8 @@ CW_INLINE vmask wt_cell_in(wt_quadrant q, const vray *ray, const vcell *c, vmask
     vmask in_b = vm_xor(enter_x, enter_high), out_b = vm_xor(leave_x, leave_high);
     const vfloat in = vf_max(c->x_in, c->y_in), out = vf_min(c->x_out, c->y_out);
     const vmask at_in = vf_ge(in, ray->t0), at_out = vf_le(out, ray->t1);
-    vfloat da = wt_border(&r, c->t0, enter_x, enter_high, q, false);
-    vfloat db = wt_border(&r, c->t1, leave_x, leave_high, q, true);
+    vfloat da = wt_border(&r, c->t0, enter_x, enter_high);
+    vfloat db = wt_border(&r, c->t1, leave_x, leave_high);
     /* Ranges that start or end inside a cell are rare, and both at once rarer. */
     if (vm_any(vm_andnot(among, at_in))) {
         vmask start_b;
@@ -108,9 +97,9 @@ CW_INLINE vmask wt_cell_in(wt_quadrant q, const vray *ray, const vcell *c, vmask
     return found;
 }
 
-/* The same for lanes of any directions. Not inlined: the walks have no registers left for it. */
+/* The same, not inlined: most walks have no registers left for it. */
 static __attribute__((noinline)) vmask wt_cell(const vray *ray, const vcell *c, vmask among, vfind *find) {
-    return wt_cell_in((wt_quadrant){0}, ray, c, among, find);
+    return wt_cell_in(ray, c, among, find);
 }
 
 #endif
