@@ -74,9 +74,9 @@ def test_along_a_line():
 
 
 def test_any_number():
-    """All see all of level ground: counts are of two bytes, and from 65 535 observers on floats."""
+    """All see all of level ground: counts are of one byte, above 254 observers of two, and from 65 535 on floats."""
     np.save("level.npy", np.zeros((12, 12), np.float32))
-    for number, kind in taken([(10000, np.uint16), (65535, np.float32)], 2):
+    for number, kind in taken([(254, np.uint8), (10000, np.uint16), (65535, np.float32)], 2):
         k = np.arange(number)
         x, y = k % 7, k // 7 % 12
         write("many.csv", "x,y\n" + "".join(f"{10 * a},{10 * b}\n" for a, b in zip(x, y)))
