@@ -84,54 +84,46 @@ def skipping(make):
         return make()
 
 
+def links(f, p, **options):
+    return f.line_of_sight([p.spot(0, 9), p.spot(1, 2)], [p.spot(1, 2), p.spot(2, 1)], **options)
+
+
 SUN = "hours free_hours direct free_direct diffuse free_diffuse"
 
 # Tables: the program's decimals, and numbers of Python in the same columns.
 TABLES = [
     ("horizon --at {a} --directions 9 --start 5 --max-distance {far}",
-     "angle distance x y", lambda f, p: at_places(p, f.horizon_at(*p.spot(0), directions=9, start=5, max_distance=p.far))),
+     "angle distance x y", lambda f, p: f.horizon_at(*p.spot(0), directions=9, start=5, max_distance=p.far)),
     ("horizon --at {a},4 --at {b},4 --directions 5 --curvature 500",
-     "angle distance x y true_azimuth", lambda f, p: at_places(p, f.horizon_at(p.xs[:2], p.ys[:2], 4, 5, curvature=500))),
+     "angle distance x y true_azimuth", lambda f, p: f.horizon_at(p.xs[:2], p.ys[:2], 4, 5, curvature=500)),
     ("viewshed --observers observers.csv --max-distance {far} --window=-1e9,-1e9,1e9,1e9 --table table.csv",
-     "samples km2 farthest farthest_x farthest_y", lambda f, p: of_sites(p, f.sites(p.xs, p.ys, 9, max_distance=p.far))),
+     "samples km2 farthest farthest_x farthest_y", lambda f, p: f.sites(p.xs, p.ys, 9, max_distance=p.far)),
     ("viewshed --observers observers.csv --table table.csv --within area.csv", "samples km2 farthest farthest_x farthest_y",
-     lambda f, p: of_sites(p, f.sites(p.xs, p.ys, 9, within=p.inside(f)))),
+     lambda f, p: f.sites(p.xs, p.ys, 9, within=p.inside(f))),
     ("viewshed --observers outside.csv --skip-outside --every {near} --table table.csv", "samples km2 farthest farthest_x farthest_y",
-     lambda f, p: of_sites(p, skipping(lambda: f.sites(*np.append(p.spot(0), p.beyond).reshape(2, 2).T, 9, every=p.near, skip_outside=True)))),
+     lambda f, p: skipping(lambda: f.sites(*np.append(p.spot(0), p.beyond).reshape(2, 2).T, 9, every=p.near, skip_outside=True))),
     ("sun --at {a},3 --suns suns.csv --tilt 40 --facing 150 --max-distance {near}", "hours free_hours direct free_direct",
-     lambda f, p: f.sun_days(*p.spot(0), height=3, suns=SUNS, tilt=40, facing=150, max_distance=p.near)._asdict()),
+     lambda f, p: f.sun_days(*p.spot(0), height=3, suns=SUNS, tilt=40, facing=150, max_distance=p.near)),
     ("sun --at {a},3 --date 2024-03-20 --to 2024-03-22 --step 5min --tilt 40 --facing 150 --linke 4 --sky 9 --curvature 500 --max-distance 90", SUN,
      needs_crs(lambda f, o: f.sun_days(f.bounds[0] + 0.37 * (f.bounds[2] - f.bounds[0]), f.bounds[1] + 0.61 * (f.bounds[3] - f.bounds[1]),
                                        "2024-03-20", "2024-03-22", 3, step="5min", tilt=40, facing=150, linke=4, sky=9, curvature=500, max_distance=90,
-                                       **o)._asdict())),
-    ("los --pairs pairs.csv", "visible distance blocked_distance blocked_x blocked_y blocked_height", lambda f, p: of_lines(p, links(f, p))),
+                                       **o))),
+    ("los --pairs pairs.csv", "visible distance blocked_distance blocked_x blocked_y blocked_height", links),
     ("los --pairs pairs.csv --frequency 2400 --curvature 0.75", "clearance clearance_distance fresnel_radius",
-     lambda f, p: of_lines(p, links(f, p, curvature=0.75, frequency=2400))),
+     lambda f, p: links(f, p, curvature=0.75, frequency=2400)),
     ("los {a},9 {b},2 --frequency 900 --profile table.csv", "distance x y ground line seen fresnel_radius",
-     lambda f, p: of_profile(p, f.profile(p.spot(0, 9), p.spot(1, 2), frequency=900))),
+     lambda f, p: f.profile(p.spot(0, 9), p.spot(1, 2), frequency=900)),
 ]
 
 
-def links(f, p, **options):
-    return f.line_of_sight([p.spot(0, 9), p.spot(1, 2)], [p.spot(1, 2), p.spot(2, 1)], **options)
-
-
-def at_places(p, h):
-    return {"angle": h.angle, "distance": h.distance, "x": h.at[..., 0], "y": p.northward(h.at[..., 1]), "true_azimuth": h.true_azimuth}
-
-
-def of_sites(p, s):
-    return {"samples": s.samples, "km2": s.km2, "farthest": s.farthest, "farthest_x": s.farthest_at[:, 0],
-            "farthest_y": p.northward(s.farthest_at[:, 1])}
-
-
-def of_lines(p, s):
-    x, y, z = np.moveaxis(s.blocked_at, -1, 0)
-    return {**s._asdict(), "blocked_x": x, "blocked_y": p.northward(y), "blocked_height": z}
-
-
-def of_profile(p, profile):
-    return {**profile._asdict(), "y": p.northward(profile.y), "seen": np.where(np.isnan(profile.ground), np.nan, profile.seen)}
+def columns_of(p, answer):
+    """The numbers of an answer under the names of a table's columns: places in three, and nothing is seen at a hole."""
+    out = {}
+    for name, value in answer._asdict().items():
+        names = [name[:-2] + end for end in ("x", "y", "height")] if name.endswith("at") else [name]
+        for part, numbers in zip(names, np.moveaxis(np.asarray(value), -1, 0) if name.endswith("at") else [value]):
+            out[part] = p.northward(numbers) if part.split("_")[-1] == "y" else numbers
+    return {**out, "seen": np.where(np.isnan(out["ground"]), np.nan, out["seen"])} if "seen" in out else out
 
 
 # What Python has in another way, or has no use for.
@@ -193,7 +185,7 @@ def test_tables(ground, words, columns, made):
     printed = tool(*line, *(("-o", "seen.npy") if line[0] == "viewshed" else ()))
     if "table.csv" in line:
         printed = open("table.csv").read()
-    rows, got = list(csv.DictReader(printed.splitlines())), made(ground.field, p)
+    rows, got = list(csv.DictReader(printed.splitlines())), columns_of(p, made(ground.field, p))
     assert rows
     for name in columns.split():
         numbers = np.ravel(got[name]).astype(float)
