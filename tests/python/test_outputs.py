@@ -141,7 +141,7 @@ def test_like_has_the_same_size():
 @pytest.mark.parametrize("dtype", ["uint8", "uint16", "int16", "float32", ">f4"])
 def test_dtypes(dtype):
     z = values().astype(dtype)
-    cwd.to_geotiff(result(z), "a.tif")
+    cwd.to_geotiff(result(z, (256, 100)), "a.tif")
     same(content("a.tif"), z.astype(np.dtype(dtype).newbyteorder("=")))
 
 

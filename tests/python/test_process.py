@@ -40,7 +40,8 @@ def test_update_and_queries_keep_apart():
             refused.add(str(error))
     with ThreadPoolExecutor(2) as threads:
         for k in range(200):
-            threads.submit(attempt, lambda: np.unique(field.closest(origins, [0, 0, -1]).t).tolist())
+            for _ in range(4):
+                threads.submit(attempt, lambda: np.unique(field.closest(origins, [0, 0, -1]).t).tolist())
             attempt(lambda: field.update(0, 0, np.full((129, 129), k % 2, np.float32)) or [])
     assert seen - {()} and seen <= {(), (9.0,), (8.0,)}
     assert all("running" in r or "changed" in r for r in refused)

@@ -54,6 +54,8 @@ LINES = r"""
 1 | so the sun's place at a time is not known; give --sun | {shadow;render} wall.npy --time 2024-06-21T12:00:00Z -o no.{npy;exr}
 2 | either --sun or --time | shadow wall.npy -o no.npy
 2 | --sun 0,91: the second number is the altitude, and 91 degrees is none; the azimuth is first | {shadow;render} wall.npy --sun 0,91 -o no.{npy;exr}
+2 | not 'noon' | {shadow;render} wall.npy --time noon -o no.{npy;exr}
+2 | --sun takes azimuth and altitude in degrees, as 225,30, not '0' | {shadow;render} wall.npy --sun 0 -o no.{npy;exr}
 2 | give -o FILE | shadow wall.npy --sun 0,30
 1 | the name's ending tells no format | shadow wall.npy --sun 0,30 -o no.xyz
 1 | is the terrain itself | shadow wall.npy --sun 0,30 -o ./wall.npy
@@ -79,6 +81,7 @@ LINES = r"""
 2 | keeps them apart | viewshed wall.npy --observers t.csv --weights --bands -o no.npy
 2 | one can be written | viewshed wall.npy --observers t.csv --weights --angle -o no.npy
 1 | is that of one observer, not of 2; --bands | viewshed wall.npy --cellsize 10 --observers t.csv {--angle;--needed} -o no.npy
+2 | is that of one observer, not of 2; --bands | viewshed wall.npy --from 1,2 --from 9,2 {--angle;--needed} -o no.npy
 1 | a table has no layers | viewshed wall.npy --observers t.csv --layer a -o no.npy
 2 | --azimuth takes two angles | viewshed wall.npy --from 1,2 --azimuth {1;1,400} -o no.npy
 2 | the lower one first, not '5,-5' | viewshed wall.npy --from 1,2 --vertical 5,-5 -o no.npy
