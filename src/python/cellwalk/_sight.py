@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ._convert import count, finite, numbers
+from ._convert import count, finite
 from ._core import ffi, lib, warn
 from ._plans import ANSWER, Plan, Products, along, distance_of, ends_of, find_eye, round_of, spots_of
 

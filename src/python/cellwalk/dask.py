@@ -234,7 +234,7 @@ class _Raster(Light, Sight):
             raise ValueError(f"source: {rows} rows of {columns} samples, expected at least 2 of each")
         self._source, self.shape = about, (rows, columns)
         self.site = _Site(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata,
-                                    scale_of(about.crs, about.placed, about.map, (rows, columns), self.path or "crs"))
+                          scale_of(about.crs, about.placed, about.map, (rows, columns), self.path or "crs"))
         self.reach = _Reach(self.site)
         try:
             self.chunks = da.core.normalize_chunks(2048 if chunks is None else chunks, (rows, columns), dtype=np.float32)
