@@ -4,10 +4,8 @@
  * closest, and what follows from hits is where it belongs. Each array is a separate block, whose ends AddressSanitizer
  * guards. */
 
-#include "api.h"
-#include "reference.h"
-
 #include "cellwalk_expert.h"
+#include "reference.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,12 +15,13 @@
 /* Some rays are answered by all kernels, many by one: so that neither a kernel nor a long array is left out. */
 enum { SIDE_MAX = 72, SOME = 64, MANY = 4000 };
 
-api_counts api_done;
+/* Rays that were compared, and how many answers of kernels they got beside that of `cell`. */
+static unsigned long long rays_done, answers_done;
 
-static void tell(void) {
-    fprintf(stderr, "rays: %llu\npairs: %llu\n", (unsigned long long)api_done.rays,
-            (unsigned long long)api_done.answers);
-}
+static void tell(void) { fprintf(stderr, "rays: %llu\npairs: %llu\n", rays_done, answers_done); }
+
+int LLVMFuzzerInitialize(int *count, char ***arguments);
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerInitialize(int *count, char ***arguments) {
     (void)count, (void)arguments;
@@ -120,13 +119,13 @@ static void ask(work *w, const cw_kernel *kernel, bool any) {
     w->query.expert.kernel = kernel;
     const bool comparable = w->known && is_walk(&info);
     if (cw_closest(w->field, &w->query, w->rays, w->n, w->hits) == CW_OK) {
-        api_done.answers += w->n;
+        answers_done += w->n;
         for (size_t k = 0; comparable && k < w->n; k++)
             if (memcmp(&w->hits[k], &w->expected[k], sizeof w->hits[k]) != 0)
                 wrong(info.name, "another hit than cell's of ray", k);
     }
     if (any && cw_occluded(w->field, &w->query, w->rays, w->n, w->occluded) == CW_OK) {
-        api_done.answers += w->n;
+        answers_done += w->n;
         for (size_t k = 0; comparable && k < w->n; k++)
             if (w->occluded[k] != (w->expected[k].i >= 0)) wrong(info.name, "any hit is not the closest of ray", k);
     }
@@ -154,7 +153,7 @@ static void ask_user(work *w, source *s) {
         rays[k] = (cw_user_ray){.tmin = r->tmin, .tmax = r->tmax};
         for (int c = 0; c < 3; c++) rays[k].org[c] = r->org[c] * (byte(s) < 8 ? 1e300 : 1), rays[k].dir[c] = r->dir[c];
     }
-    if (cw_closest_user(w->field, &w->query, rays, n, hits) == CW_OK) api_done.rays += n;
+    if (cw_closest_user(w->field, &w->query, rays, n, hits) == CW_OK) rays_done += n;
     for (int k = 0; k < 4; k++) {
         cw_surface_at(w->field, NULL, (double[2]){(double)number(s), (double)number(s)}, 1, hits);
         const double point[3] = {(double)number(s), (double)number(s), (double)number(s)};
@@ -204,7 +203,7 @@ static void ask_all(cw_field *field, source *s) {
     make_rays(s, w.rays, w.n);
     w.query.expert.kernel = cw_kernel_find("cell");
     w.known = cw_closest(field, &w.query, w.rays, w.n, w.expected) == CW_OK;
-    api_done.rays += w.n;
+    rays_done += w.n;
     const size_t kernels = cw_kernel_count();
     if (w.n <= SOME)
         for (size_t k = 0; k < kernels; k++) ask(&w, cw_kernel_at(k), true);

@@ -44,7 +44,7 @@ class Program:
         self.process.stdin.write(b"".join(word + b"\0" for word in [b"%d" % len(words), *words]))
         self.process.stdin.flush()
         said = b"".join(iter(lambda: self.answers.read(1) or b"\0", b"\0"))
-        assert said, "the program ended"
+        assert said, f"{words[0]}: the program ended with status {self.process.wait()}"  # its last words are on standard error
         return said[:1] == b"+", said[1:].decode()
 
     def __call__(self, *words):
