@@ -22,7 +22,7 @@ static void settle(line *l, const sight *s, double block) {
     l->block_distance = block * l->length;
 }
 
-bool line_find(line *l, const terrain *t, const ground_place places[2], double curvature, io_error *error) {
+bool line_find(line *l, const terrain *t, const io_place places[2], double curvature, io_error *error) {
     if (!ground_find_place(t, &places[0], l->eye, NULL, error) ||
         !ground_find_place(t, &places[1], l->target, NULL, error))
         return false;
@@ -48,7 +48,7 @@ static cw_rectangle around(const terrain *whole, const double from[2], const dou
 }
 
 /* An end of the line, from the samples around it. */
-static bool find_end(ground *g, const ground_place *place, double at[3], io_error *error) {
+static bool find_end(ground *g, const io_place *place, double at[3], io_error *error) {
     double near[2] = {0, 0};
     cw_terrain_find_place(&g->whole, place->x, place->y, near);
     cw_rectangle piece = around(&g->whole, near, near);
@@ -59,7 +59,7 @@ static bool find_end(ground *g, const ground_place *place, double at[3], io_erro
     return true;
 }
 
-bool line_find_on(line *l, ground *g, const ground_place places[2], double curvature, profile *p, io_error *error) {
+bool line_find_on(line *l, ground *g, const io_place places[2], double curvature, profile *p, io_error *error) {
     const cw_rectangle all = ground_all(g);
     const bool whole = g->about.z != NULL;
     if (whole || (g->piece.nx == all.nx && g->piece.ny == all.ny && g->terrain.z != NULL)) {

@@ -18,12 +18,12 @@ typedef struct line {
     double block[2], block_distance, block_height; /* where, if so */
 } line;
 
-bool line_find(line *l, const terrain *t, const ground_place places[2], double curvature, io_error *error);
+bool line_find(line *l, const terrain *t, const io_place places[2], double curvature, io_error *error);
 
 /* The same, and the profile unless p is NULL, of a ground of which only pieces along the line are read: those of so many cells.
  * *p is room that is used again. */
 enum { LINE_PIECE = 2048 };
-bool line_find_on(line *l, ground *g, const ground_place places[2], double curvature, profile *p, io_error *error);
+bool line_find_on(line *l, ground *g, const io_place places[2], double curvature, profile *p, io_error *error);
 
 /* Of a terrain that is in memory. */
 bool line_profile(const line *l, profile *p, io_error *error);

@@ -29,7 +29,7 @@ const char *ground_number(double number, char text[GROUND_NUMBER]) {
     return text;
 }
 
-bool ground_parse_place(const char *text, double height, ground_place *p, io_error *error) {
+bool ground_parse_place(const char *text, double height, io_place *p, io_error *error) {
     enum { LONGEST = 200 };
     char copy[LONGEST];
     double numbers[3] = {0, 0, height};
@@ -42,7 +42,13 @@ bool ground_parse_place(const char *text, double height, ground_place *p, io_err
         if (absolute) memmove(copy + (comma - text) + 1, comma + 2, strlen(comma + 2) + 1);
         count = ground_numbers(copy, numbers, absolute ? 3 : 2, 3);
     }
-    *p = (ground_place){text, numbers[0], numbers[1], numbers[2], absolute, 1};
+    *p = (io_place){.x = numbers[0],
+                    .y = numbers[1],
+                    .z = numbers[2],
+                    .weight = 1,
+                    .along = NAN,
+                    .absolute = absolute,
+                    .text = text};
     return count > 0 ||
            io_fail(error,
                    "a place is X,Y or X,Y,H with H metres above ground, or X,Y,=Z with an absolute height, "
@@ -55,18 +61,20 @@ static bool is_inside(const terrain *t, const double at[2], double beyond) {
            at[1] <= (double)(t->ny - 1) + beyond;
 }
 
-static bool looks_like_degrees(const terrain *t, const ground_place *p, const double low[2], const double high[2]) {
+static bool looks_like_degrees(const terrain *t, const io_place *p, const double low[2], const double high[2]) {
     const bool far = low[0] > 360 || high[0] < -360 || low[1] > 360 || high[1] < -360;
     return !t->geographic && far && fabs(p->x) <= 360 && fabs(p->y) <= 360;
 }
 
 /* Why a place has no ground. */
-static bool tell_no_ground(const terrain *part, const ground_place *p, const double there[2], io_error *error) {
+static bool tell_no_ground(const terrain *part, const io_place *p, const double there[2], io_error *error) {
     const terrain *t = terrain_whole(part);
     const double at[2] = {there[0] + (double)part->column, there[1] + (double)part->row};
     double low[2], high[2], swapped[2];
+    char text[IO_PLACE_ROOM];
     if (is_inside(t, at, 0))
-        return io_fail(error, "%s: there is no data at that place; X,Y,=Z gives the height itself", p->text);
+        return io_fail(error, "%s: there is no data at that place; X,Y,=Z gives the height itself",
+                       io_place_text(p, text));
     ground_extent(t, low, high);
     terrain_from_map(t, p->y, p->x, swapped);
     const char *why = is_inside(t, at, 0.5) ? "lies in the outer half of a pixel, beyond the outermost centres"
@@ -76,152 +84,104 @@ static bool tell_no_ground(const terrain *part, const ground_place *p, const dou
                                                    : "lies outside";
     return io_fail(error,
                    "%s: %s: the samples, which are the pixels' centres, go from X %.10g to %.10g and Y %.10g to %.10g",
-                   p->text, why, low[0], high[0], low[1], high[1]);
+                   io_place_text(p, text), why, low[0], high[0], low[1], high[1]);
 }
 
 /* Heights as floats are known to half a millimetre at 8000 m. */
 static const double least_depth = 1e-3;
 
-bool ground_find_place(const terrain *t, const ground_place *p, double at[3], double *level_there, io_error *error) {
+bool ground_find_place(const terrain *t, const io_place *p, double at[3], double *level_there, io_error *error) {
+    char text[IO_PLACE_ROOM];
     const bool near = cw_terrain_find_place(t, p->x, p->y, at);
     const double level = near ? cw_terrain_height(t, at[0], at[1]) : NAN;
     if (level_there) *level_there = level;
     if (!p->absolute && isnan(level)) return tell_no_ground(t, p, at, error);
-    if (!near) return io_fail(error, "%s: is too far away from the terrain", p->text);
+    if (!near) return io_fail(error, "%s: is too far away from the terrain", io_place_text(p, text));
     const double height = p->absolute ? p->z : level + p->z;
     if (height < level - least_depth)
-        return io_fail(error, "%s: is under the ground, which is %.3f m high there: %s", p->text, level,
+        return io_fail(error, "%s: is under the ground, which is %.3f m high there: %s", io_place_text(p, text), level,
                        p->absolute ? "X,Y,H counts H from the ground" : "H counts from the ground");
     at[2] = height / terrain_metres_of_height(t);
-    return isfinite(at[2]) || io_fail(error, "%s: is too high", p->text);
-}
-
-static bool put(observers *o, const observer *new, io_error *error) {
-    if (o->count == OBSERVERS_MOST) return io_fail(error, "there are more than %d observers", OBSERVERS_MOST);
-    if (o->count == o->room) {
-        const size_t room = o->room ? 2 * o->room : 64;
-        observer *list = realloc(o->list, room * sizeof *list);
-        if (list == NULL) return io_fail(error, "out of memory");
-        o->list = list;
-        o->room = room;
-    }
-    o->list[o->count++] = *new;
-    return true;
-}
-
-static size_t given_count(const observers *o) { return o->from->file ? o->points.count : o->from->place_count; }
-
-static size_t part_of(const observers *o, size_t k) { return o->from->file ? o->points.points[k].part : 0; }
-
-/* A given place as an observer. */
-static observer given(const observers *o, size_t k) {
-    if (!o->from->file) {
-        const ground_place *p = &o->from->places[k];
-        return (observer){p->x, p->y, p->z, p->absolute, p->weight, NAN, k};
-    }
-    const io_point *p = &o->points.points[k];
-    return (observer){p->x, p->y, isnan(p->height) ? o->from->height : p->height, p->absolute, p->weight, NAN, k};
+    return isfinite(at[2]) || io_fail(error, "%s: is too high", io_place_text(p, text));
 }
 
 /* Metres between two places, by the scale halfway. */
-static double length_between(const terrain *t, const observer *a, const observer *b) {
+static double length_between(const terrain *t, const io_place *a, const io_place *b) {
     double at[2], metres[2];
     terrain_from_map(t, 0.5 * (a->x + b->x), 0.5 * (a->y + b->y), at);
     cw_terrain_metres(t, at[0], at[1], metres);
     return hypot((b->x - a->x) * metres[0], (b->y - a->y) * metres[1]);
 }
 
-/* Observers from one corner up to the next, and there too if it is the last. *at: how far the next one stands from the line's
+static bool fail_many(io_error *error) { return io_fail(error, "there are more than %d observers", OBSERVERS_MOST); }
+
+/* Observers from one corner up to the next, and there too if it is the last. *step: how far the next one stands from the line's
  * beginning, in steps; before: the corner's distance from there. */
-static bool put_between(observers *o, const observer *a, const observer *b, double before, double length, double *step,
+static bool put_between(io_points *o, const io_place *a, double before, double length, double every, double *step,
                         io_error *error) {
-    const double every = o->from->every, end = before + length;
+    const io_place *b = a + 1;
+    const double end = before + length;
     /* A length that is some steps but for rounding has them all. */
     const double least = 0x1p-40 * end;
     for (; *step * every <= end + least; ++*step) {
         const double way = *step * every, share = length > 0 ? fmin((way - before) / length, 1) : 0;
-        const observer new = {a->x + share * (b->x - a->x),
-                              a->y + share * (b->y - a->y),
-                              a->z + share * (b->z - a->z),
-                              a->absolute,
-                              a->weight + share * (b->weight - a->weight),
-                              way,
-                              a->given};
-        if (!put(o, &new, error)) return false;
+        io_place next = *a;
+        next.x += share * (b->x - a->x);
+        next.y += share * (b->y - a->y);
+        next.z += share * (b->z - a->z);
+        next.weight += share * (b->weight - a->weight);
+        next.along = way;
+        if (o->count == OBSERVERS_MOST) return fail_many(error);
+        if (!io_points_add(o, &next)) return io_fail(error, "out of memory");
     }
     return true;
 }
 
-static ground_place place_of(const observers *o, const observer *a, char text[OBSERVER_TEXT]) {
-    if (!o->from->file && isnan(a->along)) return o->from->places[a->given];
-    char name[OBSERVER_TEXT / 2] = "", way[60] = "";
-    if (o->from->file) io_points_name(&o->points, a->given, name, sizeof name);
-    if (!isnan(a->along)) snprintf(way, sizeof way, "%s%.10g m along the line", name[0] ? ", " : "", a->along);
-    snprintf(text, OBSERVER_TEXT, "%s%s: %.10g,%.10g,%s%.10g", name, way, a->x, a->y, a->absolute ? "=" : "", a->z);
-    return (ground_place){text, a->x, a->y, a->z, a->absolute, a->weight};
-}
-
-/* The given places, or observers along the lines of which they are corners. */
-static bool put_all(observers *o, const terrain *t, io_error *error) {
+/* Observers along the lines of which the places are corners. */
+static bool put_along(io_points *o, const io_points *corners, double every, const terrain *t, io_error *error) {
     double before = 0, step = 0;
-    for (size_t k = 0; k < given_count(o); k++) {
-        const observer a = given(o, k);
-        const bool last = k + 1 == given_count(o) || part_of(o, k + 1) != part_of(o, k);
-        if (!(o->from->every > 0)) {
-            if (!put(o, &a, error)) return false;
-            continue;
-        }
-        if (last) {
+    for (size_t k = 0; k + 1 < corners->count; k++) {
+        const io_place *a = &corners->list[k], *b = a + 1;
+        char text[IO_PLACE_ROOM];
+        if (a->part != b->part) {
             before = step = 0;
             continue;
         }
-        const observer b = given(o, k + 1);
-        if (a.absolute != b.absolute) {
-            char text[OBSERVER_TEXT];
+        if (a->absolute != b->absolute)
             return io_fail(error, "%s: heights along a line are all above ground, or all absolute",
-                           place_of(o, &b, text).text);
-        }
-        const double length = length_between(t, &a, &b);
-        if (!isfinite(length) || before + length > OBSERVERS_MOST * o->from->every)
-            return io_fail(error, "there are more than %d observers", OBSERVERS_MOST);
-        if (!put_between(o, &a, &b, before, length, &step, error)) return false;
+                           io_place_text(b, text));
+        const double length = length_between(t, a, b);
+        if (!isfinite(length) || before + length > OBSERVERS_MOST * every) return fail_many(error);
+        if (!put_between(o, a, before, length, every, &step, error)) return false;
         before += length;
     }
-    return true;
+    return o->count > 0 || io_fail(error, "%s: a line has two corners or more", corners->list[0].text);
 }
 
-bool observers_find(observers *o, const observers_from *from, const ground *g, io_error *error) {
-    const io_points_options reading = {
-        .layer = from->layer, .crs = g->about.georef.crs, .warn = g->watch.warn, .context = g->watch.context};
-    *o = (observers){.from = from};
-    if (from->file && !io_points_read(from->file, &reading, &o->points, error)) return false;
+bool observers_find(io_points *o, const observers_from *from, const ground *g, io_error *error) {
+    const io_points_options reading = {.height = from->height,
+                                       .layer = from->layer,
+                                       .crs = g->about.georef.crs,
+                                       .warn = g->watch.warn,
+                                       .context = g->watch.context};
+    io_points given = {0};
+    if (from->file && !io_points_read(from->file, &reading, &given, error)) return false;
     bool good = true;
-    if (from->lines && o->points.has_lines && from->every == 0)
+    for (size_t k = 0; good && k < from->place_count; k++)
+        good = io_points_add(&given, &from->places[k]) || io_fail(error, "out of memory");
+    if (from->lines && given.has_lines && from->every == 0)
         good = io_fail(error, "%s: holds lines, and --every D says where on them observers stand", from->file);
-    good = good && put_all(o, &g->whole, error);
-    if (good && o->count == 0) good = io_fail(error, "%s: a line has two corners or more", from->file);
-    if (!good) observers_free(o);
+    if (good && given.count > OBSERVERS_MOST) good = fail_many(error);
+    *o = (io_points){.has_weight = given.has_weight};
+    if (good && from->every > 0)
+        good = put_along(o, &given, from->every, &g->whole, error);
+    else if (good) {
+        *o = given;
+        return true;
+    }
+    io_points_free(&given);
+    if (!good) io_points_free(o);
     return good;
-}
-
-void observers_free(observers *o) {
-    io_points_free(&o->points);
-    free(o->list);
-    *o = (observers){0};
-}
-
-const char *observers_name(const observers *o, size_t k) {
-    return o->from->file ? o->points.points[o->list[k].given].name : "";
-}
-
-bool observers_have_names(const observers *o) {
-    for (size_t k = 0; k < o->count; k++)
-        if (observers_name(o, k)[0] != '\0') return true;
-    return false;
-}
-
-ground_place observers_place(const observers *o, size_t k, char text[OBSERVER_TEXT]) {
-    return place_of(o, &o->list[k], text);
 }
 
 view_sum view_sum_of(const terrain *t, cw_rectangle at, const uint16_t *seen, const uint8_t *within,

@@ -17,27 +17,19 @@ size_t ground_numbers(const char *text, double *numbers, size_t least, size_t mo
 enum { GROUND_NUMBER = 32 };
 const char *ground_number(double number, char text[GROUND_NUMBER]);
 
-/* A place on the map: z metres above the ground, or absolute. */
-typedef struct ground_place {
-    const char *text; /* as it was given */
-    double x, y, z;
-    bool absolute;
-    double weight; /* of an observer there, in a sum of many */
-} ground_place;
-
 /* X,Y,H or X,Y,+H, X,Y,=Z, or X,Y, which is height above ground. */
-bool ground_parse_place(const char *text, double height, ground_place *p, io_error *error);
+bool ground_parse_place(const char *text, double height, io_place *p, io_error *error);
 
 /* Field coordinates, rounded to 2^-28 and to lines of samples that are as near as that, and the height in the
  * samples' numbers. An error where a height above ground has no ground, or the place is under it. *level_there is
  * the ground's height in metres, NaN where there is none, and may be NULL. */
-bool ground_find_place(const terrain *t, const ground_place *p, double at[3], double *level_there, io_error *error);
+bool ground_find_place(const terrain *t, const io_place *p, double at[3], double *level_there, io_error *error);
 
 enum { OBSERVERS_MOST = 1 << 24 };
 
 /* Where they come from. */
 typedef struct observers_from {
-    const ground_place *places; /* or, with place_count 0, the file's points */
+    const io_place *places; /* or, with place_count 0, the file's points */
     size_t place_count;
     const char *file, *layer;
     double height; /* metres above ground, where the file gives none */
@@ -45,34 +37,9 @@ typedef struct observers_from {
     double every;  /* > 0: the places are corners of lines, and observers stand so many metres apart on them */
 } observers_from;
 
-typedef struct observer {
-    double x, y, z; /* z: metres above the ground, or absolute */
-    bool absolute;
-    double weight;
-    double along; /* metres from the line's first corner; NaN: stands at a given place */
-    size_t given; /* the number of that place, or of the corner before */
-} observer;
-
-typedef struct observers {
-    const observers_from *from;
-    io_points points; /* of the file */
-    size_t count, room;
-    observer *list;
-} observers;
-
 /* Reads the file, if there is one, and finds all places; from must stay. Of g the whole terrain counts, and for a file the coordinate
  * system and the watch. On failure there is nothing to free. */
-bool observers_find(observers *o, const observers_from *from, const ground *g, io_error *error);
-void observers_free(observers *o);
-
-/* The name that the file gives; "" if it gives none. */
-const char *observers_name(const observers *o, size_t k);
-/* Whether it gives any. */
-bool observers_have_names(const observers *o);
-
-/* The place, with a text for messages in the caller's memory. */
-enum { OBSERVER_TEXT = 300 };
-ground_place observers_place(const observers *o, size_t k, char text[OBSERVER_TEXT]);
+bool observers_find(io_points *o, const observers_from *from, const ground *g, io_error *error);
 
 typedef struct view_sum {
     double samples, km2;             /* in sight; each with the area of a cell in its row */

@@ -3,7 +3,6 @@
 
 #include "gdal/module.h"
 #include "printable.h"
-#include "table.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,30 +21,36 @@ static void tidy(char *name, size_t size) {
     make_printable(name);
 }
 
-bool io_points_add(io_points *p, const io_point *point) {
+bool io_points_add(io_points *p, const io_place *place) {
     if (p->count == p->room) {
         const size_t room = p->room ? 2 * p->room : 64;
-        io_point *points = realloc(p->points, room * sizeof *points);
-        if (points == NULL) return false;
-        p->points = points;
+        io_place *list = realloc(p->list, room * sizeof *list);
+        if (list == NULL) return false;
+        p->list = list;
         p->room = room;
     }
-    io_point *to = &p->points[p->count++];
-    *to = *point;
+    io_place *to = &p->list[p->count];
+    *to = *place;
+    to->order = p->count++;
     tidy(to->name, sizeof to->name);
+    p->has_names |= to->name[0] != '\0';
     return true;
 }
 
 void io_points_free(io_points *p) {
-    free(p->points);
+    free(p->list);
     *p = (io_points){0};
 }
 
-void io_points_name(const io_points *p, size_t k, char *text, size_t size) {
-    const io_point *point = &p->points[k];
-    const int used = snprintf(text, size, p->is_table ? "%s:%zu" : "%s: feature %zu", p->path, point->number);
-    if (point->name[0] != '\0' && used > 0 && (size_t)used < size)
-        snprintf(text + used, size - (size_t)used, " (%s)", point->name);
+const char *io_place_text(const io_place *p, char text[IO_PLACE_ROOM]) {
+    char file[240] = "", way[60] = "";
+    if (p->from == IO_PLACE_TEXT && isnan(p->along)) return p->text;
+    if (p->from != IO_PLACE_TEXT)
+        snprintf(file, sizeof file, p->from == IO_PLACE_ROW ? "%.150s:%zu%s%s%s" : "%.150s: feature %zu%s%s%s", p->text,
+                 p->number, p->name[0] ? " (" : "", p->name, p->name[0] ? ")" : "");
+    if (!isnan(p->along)) snprintf(way, sizeof way, "%s%.10g m along the line", file[0] ? ", " : "", p->along);
+    snprintf(text, IO_PLACE_ROOM, "%s%s: %.10g,%.10g,%s%.10g", file, way, p->x, p->y, p->absolute ? "=" : "", p->z);
+    return text;
 }
 
 /* ---- tables ------------------------------------------------------------------------------------------------------- */
@@ -53,15 +58,23 @@ void io_points_name(const io_points *p, size_t k, char *text, size_t size) {
 enum { X, Y, HEIGHT, WEIGHT, NAME, NAMES };
 static const char *const names[NAMES] = {"x", "y", "height", "weight", "name"};
 
-static bool take_row(const io_table *t, size_t row, const size_t columns[NAMES], io_points *points, io_error *error) {
-    io_point p = {.height = NAN, .weight = 1, .number = t->lines[row]};
-    if (!io_table_number(t, row, columns[X], &p.x, error) || !io_table_number(t, row, columns[Y], &p.y, error))
-        return false;
-    if (columns[HEIGHT] < t->columns && !io_table_height(t, row, columns[HEIGHT], &p.height, &p.absolute, error))
-        return false;
-    if (columns[WEIGHT] < t->columns && !io_table_number(t, row, columns[WEIGHT], &p.weight, error)) return false;
-    if (columns[NAME] < t->columns) snprintf(p.name, sizeof p.name, "%s", t->cells[row * t->columns + columns[NAME]]);
-    return io_points_add(points, &p) || io_fail(error, "%s: out of memory", t->path);
+bool io_place_take(const io_table *t, size_t row, size_t x, size_t y, size_t height, size_t name, io_place *p,
+                   io_error *error) {
+    p->from = IO_PLACE_ROW;
+    p->text = t->path;
+    p->number = t->lines[row];
+    p->along = NAN;
+    if (name < t->columns) snprintf(p->name, sizeof p->name, "%s", t->cells[row * t->columns + name]);
+    return io_table_number(t, row, x, &p->x, error) && io_table_number(t, row, y, &p->y, error) &&
+           (height >= t->columns || io_table_height(t, row, height, &p->z, &p->absolute, error));
+}
+
+static bool take_row(const io_table *t, size_t row, const size_t columns[NAMES], double height, io_points *points,
+                     io_error *error) {
+    io_place p = {.z = height, .weight = 1};
+    return io_place_take(t, row, columns[X], columns[Y], columns[HEIGHT], columns[NAME], &p, error) &&
+           (columns[WEIGHT] >= t->columns || io_table_number(t, row, columns[WEIGHT], &p.weight, error)) &&
+           (io_points_add(points, &p) || io_fail(error, "%s: out of memory", t->path));
 }
 
 static bool take_table(const io_table *t, const io_points_options *o, io_points *points, io_error *error) {
@@ -69,7 +82,7 @@ static bool take_table(const io_table *t, const io_points_options *o, io_points 
     if (!io_table_columns(t, names, NAMES, HEIGHT, columns, o->warn, o->context, error)) return false;
     points->has_weight = columns[WEIGHT] < t->columns;
     for (size_t row = 0; row < t->rows; row++)
-        if (!take_row(t, row, columns, points, error)) return false;
+        if (!take_row(t, row, columns, o->height, points, error)) return false;
     return true;
 }
 
@@ -102,8 +115,8 @@ bool io_areas_read(const char *path, const io_points_options *o, const io_mask *
 }
 
 bool io_points_read(const char *path, const io_points_options *o, io_points *points, io_error *error) {
-    *points = (io_points){.path = path, .is_table = io_name_ends(path, ".csv")};
-    bool good = points->is_table ? read_table(path, o, points, error) : read_features(path, o, points, error);
+    *points = (io_points){0};
+    bool good = io_name_ends(path, ".csv") ? read_table(path, o, points, error) : read_features(path, o, points, error);
     if (good && points->count == 0) good = io_fail(error, "%s: holds no places", path);
     if (!good) io_points_free(points);
     return good;

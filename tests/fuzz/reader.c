@@ -79,8 +79,8 @@ static void read_points(const uint8_t *data, size_t size) {
     io_points points;
     if (!io_points_read(put(POINTS, data, size), &options, &points, NULL)) return;
     for (size_t k = 0; k < points.count; k++) {
-        const io_point *p = &points.points[k];
-        sum = sum + p->x + p->y + p->height + p->weight + (double)p->number;
+        const io_place *p = &points.list[k];
+        sum = sum + p->x + p->y + p->z + p->weight + (double)p->number;
     }
     io_points_free(&points);
 }

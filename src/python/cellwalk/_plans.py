@@ -123,7 +123,7 @@ def find_eye(core: Core, spot, name: Optional[str]) -> Any:
     """Field coordinates of a spot that one can look from. name: the argument's, for the error; None: return None."""
     x, y, z, absolute, _ = spot
     at, level = ffi.new("double[3]"), ffi.new("double *")
-    place = ffi.new("ground_place *", {"x": x, "y": core.north(y), "z": z, "absolute": bool(absolute)})
+    place = ffi.new("io_place *", {"x": x, "y": core.north(y), "z": z, "absolute": bool(absolute)})
     if lib.ground_find_place(core.terrain, place, at, level, ffi.NULL):
         return at
     if name is not None:
@@ -136,11 +136,11 @@ def find_eye(core: Core, spot, name: Optional[str]) -> Any:
 
 def along(core, work, spots, every):
     """Observers along a line."""
-    corners = ffi.new("ground_place[]", [{"x": x, "y": core.north(y), "z": z, "absolute": bool(absolute), "weight": weight}
+    corners = ffi.new("io_place[]", [{"x": x, "y": core.north(y), "z": z, "absolute": bool(absolute), "weight": weight}
                                          for x, y, z, absolute, weight in spots])
     source = ffi.new("observers_from *", {"places": corners, "place_count": len(spots), "every": every})
     ground, error = ffi.new("ground *", {"whole": core.terrain[0]}), ffi.new("io_error *")
-    found = ffi.gc(ffi.new("observers *"), lib.observers_free)
+    found = ffi.gc(ffi.new("io_points *"), lib.io_points_free)
     if not lib.observers_find(found, source, ground, error):
         raise ValueError(f"every: {ffi.string(error.text).decode()}")
     if found.count > SPOTS_MOST:

@@ -175,7 +175,7 @@ def _lines(core, work, lines, curvature, frequency):
 def _profile(core, work, line, curvature, frequency):
     _check_ends(core, line)
     (a, b), absolute = _northward(core, line)["ends"].tolist(), int(line["absolute"])
-    ends = ffi.new("ground_place[2]", [{"x": p[0], "y": p[1], "z": p[2], "absolute": bool(absolute >> k & 1)} for k, p in enumerate((a, b))])
+    ends = ffi.new("io_place[2]", [{"x": p[0], "y": p[1], "z": p[2], "absolute": bool(absolute >> k & 1)} for k, p in enumerate((a, b))])
     found, points = ffi.new("line *"), ffi.gc(ffi.new("profile *"), lib.cw_profile_free)
     lib.line_find(found, core.terrain, ends, curvature, ffi.NULL)
     work.check(lib.cw_profile_make(points, ffi.addressof(found, "sight"), *found.target))

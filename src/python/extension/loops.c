@@ -33,8 +33,10 @@ typedef struct clearing {
 
 static bool look_along(const clearing *c, size_t k, profile *p) {
     const cw_sight *s = &c->lines[k];
-    const ground_place ends[2] = {{"", s->from[0], s->from[1], s->from[2], (s->absolute & 1) != 0, 0},
-                                  {"", s->to[0], s->to[1], s->to[2], (s->absolute & 2) != 0, 0}};
+    const io_place ends[2] = {
+        {.x = s->from[0], .y = s->from[1], .z = s->from[2], .absolute = (s->absolute & 1) != 0},
+        {.x = s->to[0], .y = s->to[1], .z = s->to[2], .absolute = (s->absolute & 2) != 0},
+    };
     cw_sight_answer *a = &c->answers[k];
     line l;
     *a = (cw_sight_answer){.blocked = {NAN, NAN, NAN}, .distance = NAN, .state = CW_SIGHT_NO_GROUND};

@@ -20,12 +20,12 @@ typedef struct horizon_command {
     cw_horizon desc;
     unsigned directions;
     bool sky, tilted, open, below, distance;
-    bool sum;                              /* one band, not one of each direction */
-    option_again at;                       /* texts of places, or */
-    const char *file;                      /* a table of them; NULL: none */
-    ground_place places[OPTION_AGAIN_MAX]; /* of at */
+    bool sum;                          /* one band, not one of each direction */
+    option_again at;                   /* texts of places, or */
+    const char *file;                  /* a table of them; NULL: none */
+    io_place places[OPTION_AGAIN_MAX]; /* of at */
     /* Of places. */
-    observers all;
+    io_points all;
     sight_bounds *bounds;
     bool in_circles; /* the circle around each place is read, not all of the raster */
     io_output to;
@@ -54,11 +54,11 @@ static bool write_row(horizon_command *c, size_t k, const place_horizon *h, doub
               ? io_output_print(&c->to, error, ",,,")
               : io_output_print(&c->to, error, "%.6f,%.3f,%.10g,%.10g", h->angle, h->distance, h->at[0], h->at[1])))
         return false;
-    return (!observers_have_names(&c->all) || io_table_write_cell(&c->to, observers_name(&c->all, k), error)) &&
+    return (!c->all.has_names || io_table_write_cell(&c->to, c->all.list[k].name, error)) &&
            io_output_write(&c->to, "\n", 1, error);
 }
 
-static bool read_around(horizon_command *c, const ground_place *p, double metres, io_error *error) {
+static bool read_around(horizon_command *c, const io_place *p, double metres, io_error *error) {
     ground *g = &c->product.ground;
     cw_sight_bounds_destroy(c->bounds);
     c->bounds = NULL;
@@ -70,15 +70,16 @@ static bool write_place(horizon_command *c, size_t number, io_error *error) {
     const ground *g = &c->product.ground;
     const cw_horizon *d = &c->desc;
     const terrain *t = &g->terrain;
-    char text[OBSERVER_TEXT];
-    const ground_place p = observers_place(&c->all, number, text);
+    char text[IO_PLACE_ROOM];
+    const io_place *p = &c->all.list[number];
     double eye[3], level, xy[2];
     sight s;
     sun_place north;
     io_error unknown;
-    if (c->in_circles && !read_around(c, &p, d->max_distance, error)) return false;
-    if (!ground_find_place(t, &p, eye, &level, error)) return false;
-    if (isnan(level)) return io_fail(error, "%s: is not on the terrain, where the horizon is found", p.text);
+    if (c->in_circles && !read_around(c, p, d->max_distance, error)) return false;
+    if (!ground_find_place(t, p, eye, &level, error)) return false;
+    if (isnan(level))
+        return io_fail(error, "%s: is not on the terrain, where the horizon is found", io_place_text(p, text));
     cw_sight_init(&s, t, c->bounds, eye, d->curvature);
     terrain_to_map(t, eye[0], eye[1], xy);
     if (!sun_place_of(t, &g->about.georef, xy, g->path, NULL, &north, &unknown)) north.turned = NAN;
@@ -92,7 +93,7 @@ static bool write_place(horizon_command *c, size_t number, io_error *error) {
 
 static bool write_all(horizon_command *c, io_error *error) {
     bool good = io_output_print(&c->to, error, "place,azimuth,true_azimuth,angle,distance,x,y%s\n",
-                                observers_have_names(&c->all) ? ",name" : "");
+                                c->all.has_names ? ",name" : "");
     for (size_t k = 0; k < c->all.count && good; k++) {
         product_tell(&c->product, (double)k / (double)c->all.count);
         good = write_place(c, k, error);
@@ -107,7 +108,7 @@ static bool write_places(horizon_command *c, io_error *error) {
     if (!observers_find(&c->all, &from, &c->product.ground, error)) return false;
     c->in_circles = c->desc.max_distance > 0 && (c->all.count == 1 || !ground_is_small(&c->product.ground));
     const char *output = c->product.output;
-    const bool good = (c->in_circles || read_around(c, &(ground_place){0}, 0, error)) &&
+    const bool good = (c->in_circles || read_around(c, &(io_place){0}, 0, error)) &&
                       io_output_open(&c->to, output ? output : "-", error) && write_all(c, error) &&
                       io_output_commit(&c->to, error);
     io_output_discard(&c->to);
@@ -116,7 +117,7 @@ static bool write_places(horizon_command *c, io_error *error) {
         command_wrote(name, c->product.quiet, output, c->product.start, "horizons of %zu place%s", c->all.count,
                       c->all.count == 1 ? "" : "s");
     cw_sight_bounds_destroy(c->bounds);
-    observers_free(&c->all);
+    io_points_free(&c->all);
     return good;
 }
 

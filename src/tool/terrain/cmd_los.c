@@ -21,7 +21,7 @@ typedef struct los_command {
     double curvature, megahertz; /* 0: no radio link */
     bool json;
     const char *pairs, *output, *profile;
-    ground_place places[2];
+    io_place places[2];
     /* The work. */
     io_output results, profiles;
     line line;         /* the one that is looked at */
@@ -32,7 +32,7 @@ typedef struct los_command {
     size_t columns[7]; /* of names */
 } los_command;
 
-static bool find_line(los_command *c, size_t number, const ground_place places[2], io_error *error) {
+static bool find_line(los_command *c, size_t number, const io_place places[2], io_error *error) {
     const bool radio = c->megahertz > 0;
     if (!line_find_on(&c->line, &c->product.ground, places, c->curvature, radio || c->profile ? &c->along : NULL,
                       error))
@@ -75,8 +75,6 @@ static void print(const los_command *c) {
 enum { X1, Y1, X2, Y2, HEIGHT1, HEIGHT2, NAME, NAMES };
 static const char *const columns[NAMES] = {"x1", "y1", "x2", "y2", "height1", "height2", "name"};
 
-enum { TEXT = 300 };
-
 static bool is_named(const los_command *c) { return c->columns[NAME] < c->table.columns; }
 
 /* "" without such a column. */
@@ -85,20 +83,6 @@ static const char *name_of(const los_command *c, size_t row) {
     char *text = c->table.cells[row * c->table.columns + c->columns[NAME]];
     make_printable(text);
     return text;
-}
-
-/* One end of a row's line. */
-static bool take_place(const los_command *c, size_t row, int end, ground_place *p, char text[TEXT], io_error *error) {
-    const io_table *t = &c->table;
-    const size_t x = c->columns[end ? X2 : X1], y = c->columns[end ? Y2 : Y1],
-                 height = c->columns[end ? HEIGHT2 : HEIGHT1];
-    *p = (ground_place){.text = text};
-    if (!io_table_number(t, row, x, &p->x, error) || !io_table_number(t, row, y, &p->y, error)) return false;
-    if (height < t->columns && !io_table_height(t, row, height, &p->z, &p->absolute, error)) return false;
-    const char *called = name_of(c, row);
-    snprintf(text, TEXT, "%.150s:%zu%s%.47s%s: %.10g,%.10g,%s%.10g", t->path, t->lines[row], called[0] ? " (" : "",
-             called, called[0] ? ")" : "", p->x, p->y, p->absolute ? "=" : "", p->z);
-    return true;
 }
 
 static bool write_row(los_command *c, size_t row, io_error *error) {
@@ -121,8 +105,6 @@ static bool write_row(los_command *c, size_t row, io_error *error) {
 static bool look_at_pairs(los_command *c, io_error *error) {
     const io_table *t = &c->table;
     ground *g = &c->product.ground;
-    char texts[2][TEXT];
-    ground_place places[2];
     if (ground_is_small(g) && !ground_read(g, ground_all(g), false, error)) return false;
     if (!io_table_read(c->pairs, &c->table, error)) return false;
     if (t->rows == 0) return io_fail(error, "%s: holds no pairs", t->path);
@@ -133,9 +115,13 @@ static bool look_at_pairs(los_command *c, io_error *error) {
                          is_named(c) ? ",name" : ""))
         return false;
     for (size_t row = 0; row < t->rows; row++) {
-        for (int end = 0; end < 2; end++)
-            if (!take_place(c, row, end, &places[end], texts[end], error)) return false;
-        if (!find_line(c, row + 1, places, error) || !write_row(c, row, error)) return false;
+        const size_t *of = c->columns;
+        io_place places[2] = {{.weight = 1}, {.weight = 1}};
+        name_of(c, row);
+        if (!io_place_take(t, row, of[X1], of[Y1], of[HEIGHT1], of[NAME], &places[0], error) ||
+            !io_place_take(t, row, of[X2], of[Y2], of[HEIGHT2], of[NAME], &places[1], error) ||
+            !find_line(c, row + 1, places, error) || !write_row(c, row, error))
+            return false;
         product_tell(&c->product, (double)(row + 1) / (double)t->rows);
     }
     return true;

@@ -62,7 +62,7 @@ bool product_parse_sun(const char *name, const char *text, double sun[2]) {
                           text, sun[1]);
 }
 
-bool product_parse_place(const char *name, const char *text, double height, ground_place *p) {
+bool product_parse_place(const char *name, const char *text, double height, io_place *p) {
     io_error error;
     return ground_parse_place(text, height, p, &error) || command_refuse(name, "%s", error.text);
 }

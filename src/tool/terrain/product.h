@@ -99,7 +99,7 @@ option_spec product_round_earth_row(double *curvature);
 
 /* --sun AZ,ALT, or a place; false after a message. */
 bool product_parse_sun(const char *name, const char *text, double sun[2]);
-bool product_parse_place(const char *name, const char *text, double height, ground_place *p);
+bool product_parse_place(const char *name, const char *text, double height, io_place *p);
 
 /* The paragraph on places in the help of all subcommands. */
 #define PRODUCT_PLACE_HELP                                                                                             \

@@ -10,7 +10,7 @@ typedef struct sun_table {
     const char *at;   /* NULL: not asked for */
     const char *tilt; /* degrees, or "ground"; NULL: level */
     double facing;    /* NaN: not given */
-    ground_place place;
+    io_place place;
     sun_day_desc desc; /* tilt and facing by sun_table_check */
     bool placed;       /* desc.place is known */
     bool ground;       /* the surface is the ground as it leans */

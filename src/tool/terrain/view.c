@@ -55,7 +55,7 @@ static void put(double map[3][4], double i, double j, double z, double out[3]) {
     for (int r = 0; r < 3; r++) out[r] = map[r][0] * i + map[r][1] * j + map[r][2] * z + map[r][3];
 }
 
-static bool put_place(const view *v, double map[3][4], const ground_place *p, double out[3], io_error *error) {
+static bool put_place(const view *v, double map[3][4], const io_place *p, double out[3], io_error *error) {
     double at[3];
     if (!ground_find_place(&v->ground.terrain, p, at, NULL, error)) return false;
     put(map, at[0], at[1], at[2] - sight_fall(&v->earth, at[0], at[1]), out);

@@ -17,7 +17,7 @@ typedef struct view {
     bool sky, smooth, quiet;
     size_t width, height; /* of the picture; 0: not given */
     /* By view_check: as numbers. */
-    ground_place eye, target;
+    io_place eye, target;
     double sun_at[2], seconds;
     /* The work. */
     ground ground;        /* not lowered */

@@ -36,11 +36,11 @@ static bool read_samples(viewshed_command *c, io_error *error) {
     ground *g = &c->product.ground;
     cw_rectangle near = {0}, piece = {0};
     for (size_t k = 0; k < c->observers.count; k++) {
-        char text[OBSERVER_TEXT];
+        char text[IO_PLACE_ROOM];
         double at[2];
-        const observer *o = &c->observers.list[k];
+        const io_place *o = &c->observers.list[k];
         if (!cw_terrain_find_place(&g->whole, o->x, o->y, at))
-            return io_fail(error, "%s: is too far away from the terrain", observers_place(&c->observers, k, text).text);
+            return io_fail(error, "%s: is too far away from the terrain", io_place_text(o, text));
         near = cw_reach_both(near, cw_reach_within(&g->whole, at, farthest));
     }
     if (farthest > 0 && c->product.window == NULL) {
@@ -63,28 +63,27 @@ static bool read_samples(viewshed_command *c, io_error *error) {
 /* ---- observers that see nothing -------------------------------------------------------------------------------------- */
 
 /* Whether an observer has a place to look from; before samples are read, whether it stands on the raster. */
-static bool can_look(const viewshed_command *c, size_t k, bool read, io_error *why) {
+static bool can_look(const viewshed_command *c, const io_place *place, bool read, io_error *why) {
     const ground *g = &c->product.ground;
-    char text[OBSERVER_TEXT];
+    char text[IO_PLACE_ROOM];
     double at[3];
-    const ground_place place = observers_place(&c->observers, k, text);
-    if (read) return ground_find_place(&g->terrain, &place, at, NULL, why);
-    if (cw_terrain_find_place(&g->whole, place.x, place.y, at) &&
-        (place.absolute ||
+    if (read) return ground_find_place(&g->terrain, place, at, NULL, why);
+    if (cw_terrain_find_place(&g->whole, place->x, place->y, at) &&
+        (place->absolute ||
          (at[0] >= 0 && at[1] >= 0 && at[0] <= (double)(g->whole.nx - 1) && at[1] <= (double)(g->whole.ny - 1))))
         return true;
-    return io_fail(why, "%s: lies outside", place.text);
+    return io_fail(why, "%s: lies outside", io_place_text(place, text));
 }
 
 static bool skip_observers(viewshed_command *c, bool read, io_error *error) {
     const ground_watch *w = &c->product.ground.watch;
-    observers *o = &c->observers;
+    io_points *o = &c->observers;
     char text[600];
     size_t kept = 0;
     io_error why;
     if (!c->skip) return true;
     for (size_t k = 0; k < o->count; k++) {
-        if (can_look(c, k, read, &why)) {
+        if (can_look(c, &o->list[k], read, &why)) {
             o->list[kept++] = o->list[k];
             continue;
         }
@@ -105,7 +104,7 @@ static bool skip_observers(viewshed_command *c, bool read, io_error *error) {
 static bool print_view(viewshed_command *c, const double eye[3], io_error *error) {
     const terrain *t = &c->product.ground.terrain;
     const cw_rectangle w = c->product.ground.window;
-    const observer *o = &c->observers.list[c->observer];
+    const io_place *o = &c->observers.list[c->observer];
     const view_sum v =
         view_sum_of(t, (cw_rectangle){w.i - t->column, w.j - t->row, w.nx, w.ny}, c->own, c->inside, eye);
     for (size_t k = 0; k < t->nx * t->ny; k++) {
@@ -113,26 +112,25 @@ static bool print_view(viewshed_command *c, const double eye[3], io_error *error
         if (c->sums) c->sums[k] += c->own[k];
     }
     if (!io_output_print(&c->table_file, error, "%zu,%.12g,%.12g,%.0f,%.9g,",
-                         isnan(o->along) ? o->given + 1 : c->observer + 1, o->x, o->y, v.samples, v.km2))
+                         isnan(o->along) ? o->order + 1 : c->observer + 1, o->x, o->y, v.samples, v.km2))
         return false;
     const bool sees = v.samples > 0;
     if (!io_output_write(&c->table_file, ",,", sees ? 0 : 2, error) ||
         (sees &&
          !io_output_print(&c->table_file, error, "%.3f,%.12g,%.12g", v.farthest, v.farthest_at[0], v.farthest_at[1])) ||
-        (c->named && !io_table_write_cell(&c->table_file, observers_name(&c->observers, c->observer), error)))
+        (c->observers.has_names && !io_table_write_cell(&c->table_file, o->name, error)))
         return false;
     return io_output_write(&c->table_file, "\n", 1, error);
 }
 
 static bool look_from(viewshed_command *c, io_error *error) {
     const terrain *t = &c->product.ground.terrain;
-    char text[OBSERVER_TEXT];
+    const io_place *place = &c->observers.list[c->observer];
     double eye[3];
-    const ground_place place = observers_place(&c->observers, c->observer, text);
-    if (!ground_find_place(t, &place, eye, NULL, error)) return false;
+    if (!ground_find_place(t, place, eye, NULL, error)) return false;
     cw_observer from = c->look;
-    from.x = place.x;
-    from.y = place.y;
+    from.x = place->x;
+    from.y = place->y;
     from.height = eye[2] * terrain_metres_of_height(t);
     from.absolute = 1;
     cw_view view = {.seen = c->own ? c->own : c->seen};
@@ -140,7 +138,7 @@ static bool look_from(viewshed_command *c, io_error *error) {
         if (c->kind == VIEW_NEEDED) view.needed = c->numbers;
         if (c->kind == VIEW_ANGLE) view.angle = c->numbers;
         view.sum = c->sums;
-        view.weight = c->weights ? c->observers.list[c->observer].weight : 1;
+        view.weight = c->weights ? place->weight : 1;
         if (view.weight == 0) view.sum = NULL; /* adds nothing */
     }
     cw_run run = c->product.ground.query;
@@ -170,12 +168,11 @@ static bool find_inside(viewshed_command *c, io_error *error) {
 static bool make_room(viewshed_command *c, io_error *error) {
     const size_t n = c->product.ground.terrain.nx * c->product.ground.terrain.ny;
     if (c->table) {
-        c->named = observers_have_names(&c->observers);
         c->own = large_allocate(n * sizeof *c->own);
         if (c->own == NULL) return io_fail(error, "out of memory");
         if (!io_output_open(&c->table_file, c->table, error) ||
             !io_output_print(&c->table_file, error, "observer,x,y,samples,km2,farthest,farthest_x,farthest_y%s\n",
-                             c->named ? ",name" : ""))
+                             c->observers.has_names ? ",name" : ""))
             return false;
     }
     const bool counts = c->kind == VIEW_SEEN, sums = c->kind == VIEW_WEIGHT;
@@ -240,7 +237,7 @@ static const char *meaning(const viewshed_command *c) {
 
 static void note(viewshed_command *c) {
     product *p = &c->product;
-    const observers *all = &c->observers;
+    const io_points *all = &c->observers;
     const cw_observer *l = &c->look;
     if (c->from.file) product_note(p, "OBSERVERS_FILE=%s", c->from.file);
     if (c->from.every > 0) product_note(p, "OBSERVERS_EVERY=%.9g", c->from.every);
@@ -254,21 +251,19 @@ static void note(viewshed_command *c) {
     product_note(p, "OBSERVERS=%zu", all->count);
     /* As many as there is room for. */
     for (size_t k = 0; k < all->count && k < PRODUCT_NOTES_MOST; k++) {
-        const observer *o = &all->list[k];
+        const io_place *o = &all->list[k];
         char x[GROUND_NUMBER], y[GROUND_NUMBER], z[GROUND_NUMBER];
         product_note(p, "OBSERVER_%zu=%s,%s,%s%s", k + 1, ground_number(o->x, x), ground_number(o->y, y),
                      o->absolute ? "=" : "", ground_number(o->z, z));
-        const char *name = observers_name(all, k);
-        if (name[0] != '\0') product_note(p, "OBSERVER_%zu_NAME=%s", k + 1, name);
+        if (o->name[0] != '\0') product_note(p, "OBSERVER_%zu_NAME=%s", k + 1, o->name);
     }
 }
 
 static bool name_bands(viewshed_command *c, io_error *error) {
     for (size_t k = 0; k < c->observers.count; k++) {
-        const observer *o = &c->observers.list[k];
-        const char *name = observers_name(&c->observers, k);
-        if (!product_name_band(&c->product, k, error, "observer %zu%s%s%s at %.10g,%.10g", k + 1, name[0] ? " (" : "",
-                               name, name[0] ? ")" : "", o->x, o->y))
+        const io_place *o = &c->observers.list[k];
+        if (!product_name_band(&c->product, k, error, "observer %zu%s%s%s at %.10g,%.10g", k + 1,
+                               o->name[0] ? " (" : "", o->name, o->name[0] ? ")" : "", o->x, o->y))
             return false;
     }
     return true;
@@ -306,7 +301,7 @@ static bool check(const viewshed_command *c, io_error *error) {
     if (count > 1 && !c->bands && (c->kind == VIEW_ANGLE || c->kind == VIEW_NEEDED))
         return io_fail(error, "%s is that of one observer, not of %zu; --bands writes a band for each",
                        c->kind == VIEW_ANGLE ? "the angle" : "the height that is needed to be seen", count);
-    if (c->weights && !c->observers.points.has_weight)
+    if (c->weights && !c->observers.has_weight)
         return io_fail(error, "%s: has no column 'weight', which --weights adds up", c->from.file);
     if (c->bands && count > TIF_BANDS_MOST && io_raster_is_tif(output))
         return io_fail(error, "%s: a GeoTIFF has room for %d bands, not for %zu", output, TIF_BANDS_MOST, count);
@@ -337,7 +332,7 @@ bool viewshed_finish(product *p, io_error *error) {
 void viewshed_end(void *context) {
     viewshed_command *c = context;
     cw_sight_bounds_destroy(c->bounds);
-    observers_free(&c->observers);
+    io_points_free(&c->observers);
     io_output_discard(&c->table_file);
     large_release(c->own);
     free(c->inside);

@@ -18,7 +18,7 @@ typedef enum view_kind {
 typedef struct viewshed_command {
     product product;
     option_again from_texts;
-    ground_place places[OPTION_AGAIN_MAX];
+    io_place places[OPTION_AGAIN_MAX];
     observers_from from;
     cw_observer look;               /* all but the place; curvature is NaN if it was not given */
     const char *azimuth, *vertical; /* as texts; NULL: not given */
@@ -30,7 +30,7 @@ typedef struct viewshed_command {
     bool skip;          /* observers without ground, in place of an error */
 
     /* The work. */
-    observers observers;
+    io_points observers;
     sight_bounds *bounds;
     uint16_t *seen; /* one of these */
     double *sums;
@@ -41,7 +41,6 @@ typedef struct viewshed_command {
     uint16_t *own;   /* what one observer sees; NULL: there is no table */
     uint8_t *inside; /* not 0 where samples count in the table; NULL: they all do */
     io_output table_file;
-    bool named; /* in the table: the file names observers */
 } viewshed_command;
 
 /* For a product. */

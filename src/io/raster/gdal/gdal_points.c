@@ -78,7 +78,7 @@ static bool take_number(reader *r, OGRFeatureH f, int field, double *number) {
                    (long long)OGR_F_GetFID(f), text, OGR_Fld_GetNameRef(OGR_F_GetFieldDefnRef(f, field)));
 }
 
-static bool add_place(reader *r, OGRGeometryH g, int k, io_point *p) {
+static bool add_place(reader *r, OGRGeometryH g, int k, io_place *p) {
     p->x = OGR_G_GetX(g, k);
     p->y = OGR_G_GetY(g, k);
     r->has_z |= OGR_G_Is3D(g) && OGR_G_GetZ(g, k) != 0;
@@ -91,7 +91,7 @@ static bool add_place(reader *r, OGRGeometryH g, int k, io_point *p) {
     return gdal_program()->add(r->points, p) || io_fail(r->error, "%s: out of memory", r->path);
 }
 
-static bool take_geometry(reader *r, OGRGeometryH g, io_point *p) {
+static bool take_geometry(reader *r, OGRGeometryH g, io_place *p) {
     const OGRwkbGeometryType type = g ? OGR_GT_Flatten(OGR_G_GetGeometryType(g)) : wkbNone;
     bool good = true;
     if (g == NULL || OGR_G_IsEmpty(g)) return true;
@@ -156,11 +156,16 @@ static bool take_features(reader *r, OGRLayerH layer) {
     OGR_L_ResetReading(layer);
     CPLErrorReset();
     for (OGRFeatureH f; (f = OGR_L_GetNextFeature(layer)) != NULL;) {
-        io_point p = {.height = NAN, .weight = 1, .number = (size_t)OGR_F_GetFID(f)};
+        io_place p = {.z = r->options->height,
+                      .weight = 1,
+                      .along = NAN,
+                      .from = IO_PLACE_FEATURE,
+                      .text = r->path,
+                      .number = (size_t)OGR_F_GetFID(f)};
         if (r->name >= 0 && OGR_F_IsFieldSetAndNotNull(f, r->name))
             snprintf(p.name, sizeof p.name, "%s", OGR_F_GetFieldAsString(f, r->name));
         note_others(r, f, others);
-        const bool good = take_number(r, f, r->height, &p.height) && take_number(r, f, r->weight, &p.weight) &&
+        const bool good = take_number(r, f, r->height, &p.z) && take_number(r, f, r->weight, &p.weight) &&
                           take_geometry(r, OGR_F_GetGeometryRef(f), &p);
         OGR_F_Destroy(f);
         if (!good) return false;
