@@ -27,7 +27,7 @@ static size_t outcomes[PATHS_MAX][OUTCOMES]; /* of the row that runs */
 static void explain(const test_field *f, const cw_ray *ray, const cw_hit *hit, const oracle_truth *truth,
                     const judgement *j) {
     printf("%s, |d|/E %g, %g off the triangle (%g), t off by %g (%g), u and v by %g (%g)\n", verdict_name(j->verdict),
-           j->residual, j->apart, j->blur, j->t_error, j->t_bound, j->place_error, j->place_bound);
+           j->at.residual, j->at.apart, j->blur, j->t_error, j->t_bound, j->place_error, j->place_bound);
     field_print(f);
     ray_print(ray);
     hit_print("kernel", hit);
@@ -45,7 +45,7 @@ static bool as_expected(const path *p, const oracle_truth *truth, const judgemen
     if (p->leaf == CW_LEAF_WATERTIGHT) return j->verdict <= VERDICT_TIE && digits_hold(j);
     if (j->verdict <= VERDICT_TIE) return true;
     *o = j->verdict == VERDICT_PHANTOM ? PARALLEL : SLIPPED;
-    return j->verdict == VERDICT_PHANTOM ? j->apart <= j->blur : truth->pass_edge <= truth->pass_blur;
+    return j->verdict == VERDICT_PHANTOM ? j->at.apart <= j->blur : truth->pass_edge <= truth->pass_blur;
 }
 
 /* Brute force is for small fields, and so is a grid of 64 voxels an axis where all heights but a few are the same. */

@@ -246,29 +246,16 @@ static void check_digits(const oracle *o, const cw_hit *hit, judgement *j) {
 
 judgement oracle_judge(oracle *o, const cw_hit *hit) {
     const oracle_truth *truth = &o->truth;
-    judgement j = {.verdict = VERDICT_RIGHT};
-    if (hit->i < 0) {
-        j.verdict = truth->passes ? VERDICT_LEAK : truth->hit ? VERDICT_TIE : VERDICT_RIGHT;
-        return j;
-    }
+    if (hit->i < 0)
+        return (judgement){.verdict = truth->passes ? VERDICT_LEAK : truth->hit ? VERDICT_TIE : VERDICT_RIGHT};
     const oracle_triangle t = {hit->i, hit->j, hit->triangle};
-    const double at = (double)hit->t;
-    const hit_check c = oracle_check(o, hit);
-    j.verdict = VERDICT_PHANTOM;
-    j.apart = c.apart;
-    j.apart_most = c.apart_most;
-    j.residual = c.residual;
+    const double latest = truth->pass_t + (bounds_u() + 0x1p-50) * fabs(truth->pass_t);
+    judgement j = {.at = oracle_check(o, hit)};
     if (oracle_solid(o, t.i, t.j, t.triangle)) j.blur = blur(o, &t);
-    if (!c.holds) return j;
-    if (truth->passes && at > truth->pass_t + (bounds_u() + 0x1p-50) * fabs(truth->pass_t)) {
-        j.verdict = VERDICT_WRONG_SURFACE;
-        return j;
-    }
-    if (!holds_the_point(truth, hit)) {
-        j.verdict = VERDICT_TIE;
-        return j;
-    }
-    j.verdict = VERDICT_RIGHT;
-    check_digits(o, hit, &j);
+    j.verdict = !j.at.holds                                ? VERDICT_PHANTOM
+                : truth->passes && (double)hit->t > latest ? VERDICT_WRONG_SURFACE
+                : !holds_the_point(truth, hit)             ? VERDICT_TIE
+                                                           : VERDICT_RIGHT;
+    if (j.verdict == VERDICT_RIGHT) check_digits(o, hit, &j);
     return j;
 }

@@ -62,17 +62,21 @@ typedef enum verdict {
 } verdict;
 const char *verdict_name(verdict v);
 
-typedef struct judgement {
-    verdict verdict;
-    /* Of hits on solid triangles: */
+/* Whether a hit is where ray and surface are. Doubles decide where their error cannot matter, exact numbers where it could. */
+typedef struct hit_check {
+    bool holds;        /* no phantom */
     double residual;   /* |d| at the hit's t over E and what t's rounding adds, <= 1 unless a phantom */
     double apart;      /* distance of the exact ray, at the hit's t, from the triangle; <= 0 within */
     double apart_most; /* delta and what t's rounding adds, which it may not exceed */
-    double blur;       /* how far off Möller-Trumbore's place in it may be; infinite if the ray is parallel */
+} hit_check;
+
+typedef struct judgement {
+    verdict verdict;
+    hit_check at; /* of hits on solid triangles */
+    double blur;  /* how far off Möller-Trumbore's place in such a triangle may be; infinite if the ray is parallel */
     /* Of right hits: */
-    double t_error; /* |t - exact t| */
-    double
-        t_bound; /* what it may be: half a unit in the last place, and E / |d'| near an edge; infinite if the ray is parallel */
+    /* |t - exact t|, and what it may be: half a unit in the last place, and E / |d'| near an edge; infinite if the ray is parallel. */
+    double t_error, t_bound;
     /* How far u and v are off, and may be; both 0 where an edge is near. */
     double place_error, place_bound;
 } judgement;
@@ -96,12 +100,7 @@ bool oracle_ray(oracle *o, const cw_ray *ray);
  * one side and later on the other, on a field without holes, passes. */
 bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *over);
 
-/* What oracle_judge looks at first: is a hit where the present ray and the surface are, within the bounds? Doubles decide
- * where their error cannot matter, exact numbers where it could. */
-typedef struct hit_check {
-    bool holds;                         /* no phantom */
-    double residual, apart, apart_most; /* as in judgement */
-} hit_check;
+/* Is a hit where the present ray and the surface are, within the bounds? */
 hit_check oracle_check(oracle *o, const cw_hit *hit);
 
 #endif

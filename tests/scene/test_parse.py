@@ -12,7 +12,8 @@ import signal
 import numpy as np
 import pytest
 from program import SOURCE, needs_room, write
-from words import EMULATOR, Files, Scenes
+from test_pictures import write_image
+from words import EMULATOR, Scenes
 
 HEAD = 'LookAt 0 0 0 0 0 1 0 1 0\nCamera "perspective"\nWorldBegin\n'
 GRID = HEAD + 'Shape "heightfield" "integer nu" 2 "integer nv" 2'
@@ -34,12 +35,7 @@ def load_fails(scenes, text, *messages, name="a.pbrt"):
 @pytest.fixture
 def images(folder):
     """One of four pixels, and one that is none."""
-    np.array([.5, .5, .5, 1, 1, 1, 0, 0, 0, .25, .5, 1], "f4").tofile("rgb")
-    files = Files()
-    for name in "good.exr", "other.exr":
-        if "OpenEXR" in files.ask("image write", name, 2, 2)[1]:
-            pytest.skip("this build lacks OpenEXR")
-    files.end()
+    write_image("good.exr", 2, 2, [.5, .5, .5, 1, 1, 1, 0, 0, 0, .25, .5, 1])
     write("broken.exr", "v/1")
 
 

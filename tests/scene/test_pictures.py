@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 import pytest
-from program import takes, write
+from program import taken, takes, write
 from words import Files
 
 SIDE = 64
@@ -240,11 +240,9 @@ def test_kernels_and_threads_change_no_pixel(scenes):
 def test_a_crop_is_a_part_of_the_whole(scenes):
     make(scenes, "full")
     whole, _ = scenes.render(threads=1, phong=1)
-    for k, (x0, y0, x1, y1) in enumerate([(0, 0, 70, 50), (0, 0, 1, 1), (69, 49, 70, 50), (31, 31, 33, 33), (3, 7, 60, 41), (33, 0, 35, 50),
-                                          (0, 30, 70, 34)]):
-        if takes(k, 3):
-            part, found = scenes.render(threads=2, phong=1, x0=x0, y0=y0, x1=x1, y1=y1)
-            assert (part == whole[y0:y1, x0:x1]).all() and found.camera == part.size // 3 * 6
+    for x0, y0, x1, y1 in taken([(0, 0, 70, 50), (0, 0, 1, 1), (69, 49, 70, 50), (31, 31, 33, 33), (3, 7, 60, 41), (33, 0, 35, 50), (0, 30, 70, 34)], 3):
+        part, found = scenes.render(threads=2, phong=1, x0=x0, y0=y0, x1=x1, y1=y1)
+        assert (part == whole[y0:y1, x0:x1]).all() and found.camera == part.size // 3 * 6
     for x0, y0, x1, y1 in (0, 0, 71, 50), (0, 0, 70, 51), (5, 5, 5, 9), (9, 5, 5, 9), (5, 9, 9, 9):
         scenes.refused("no part of 70 x 50", "render", f"x0={x0} y0={y0} x1={x1} y1={y1}")
 
@@ -270,7 +268,7 @@ SIX = [("hftest", 256, 1, False), ("landsea-0", 400, 2, True), ("landsea-1", 400
        ("texture", 400, 1, False), ("landsea-big", 600, 2, True)]
 
 
-@pytest.mark.parametrize("name, side, fields, mirror", [row for k, row in enumerate(SIX) if takes(k, 3)])
+@pytest.mark.parametrize("name, side, fields, mirror", taken(SIX, 3))
 def test_the_six_scenes_render(scenes, name, side, fields, mirror):
     """The project's own scenes load, and each shows what it is about."""
     found = scenes.facts("load", os.path.join(os.environ["CELLWALK_SCENES"], f"{name}.pbrt"))

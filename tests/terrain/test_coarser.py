@@ -89,9 +89,7 @@ def test_definitions(lands, shape, nx, ny, factor):
     random = np.random.default_rng(case)
     i, j = np.meshgrid(np.arange(nx), np.arange(ny))
     full = lands.land(SHAPES[shape](i, j, random.random((ny, nx)), random.random((ny, nx))), np.eye(3, 4))
-    for filter in MEAN, HIGHEST, LOWEST:
-        if not takes(case + filter, 3):
-            continue
+    for filter in (filter for filter in (MEAN, HIGHEST, LOWEST) if takes(case + filter, 3)):
         _, coarse, (above, below, rms, lost, made) = lands.coarser(factor, filter)
         assert coarse.shape == (-(-(ny - 1) // factor) + 1, -(-(nx - 1) // factor) + 1)
         whole = exact(full)

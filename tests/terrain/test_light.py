@@ -5,7 +5,7 @@ points."""
 import numpy as np
 import pytest
 from library import MAPS, RADIUS, RAY, horizon, light, observer
-from program import DIVISOR, SLOW, takes
+from program import DIVISOR, SLOW, taken
 from test_visible import crossings, samples_along
 
 CELL, SIDE = 10, 97
@@ -46,12 +46,11 @@ def test_a_wall_before_the_disc(lands, strips):
     share on each side. Away from the middle the wall is farther off: by 1 / cos of 2 degrees over cos of the altitude."""
     lands.land(WALL)
     radius, cases = 2, [(south, u) for south in range(4, 40, 7) for u in np.arange(-1.25, 1.26, 0.25)]  # the top over the middle, in radii
-    for k, (south, u) in enumerate(cases):
-        if takes(k, 7):
-            top = np.degrees(np.arctan(50 / (CELL * south)))
-            share = lands.product("sunlight", light(altitude=top - u * radius, radius=radius, strips=strips))[MIDDLE + south, MIDDLE]
-            v = np.clip(u, -1, 1)
-            assert abs(share - (np.arccos(v) - v * np.sqrt(1 - v * v)) / np.pi) <= 4 / (np.pi * strips) + 0.04, (south, u)
+    for south, u in taken(cases, 7):
+        top = np.degrees(np.arctan(50 / (CELL * south)))
+        share = lands.product("sunlight", light(altitude=top - u * radius, radius=radius, strips=strips))[MIDDLE + south, MIDDLE]
+        v = np.clip(u, -1, 1)
+        assert abs(share - (np.arccos(v) - v * np.sqrt(1 - v * v)) / np.pi) <= 4 / (np.pi * strips) + 0.04, (south, u)
 
 
 def test_hillshade_of_a_plane(lands):
@@ -96,9 +95,7 @@ def test_shadow_agrees_with_horizon_and_rays(lands):
     z)). Rays begin 2 mm over the ground, which is far above what rounding does to heights of 300 m; an edge is at least 7 m away,
     where 0.1 degrees are 12 mm. Beside holes, edges without a triangle are ground to horizons and nothing to rays."""
     shadows = nights = 0
-    for number in range(60):
-        if not takes(number, 15):
-            continue
+    for number in taken(range(60), 15):
         r = np.random.default_rng(number)
         azimuth = 45.0 * (number // 4) if number % 4 == 0 else r.uniform(0, 360)
         altitude = r.uniform(-1.5, 0) if number % 7 == 0 else r.uniform(1, 40)
@@ -192,9 +189,7 @@ def test_limits_sample_by_sample(lands):
     """Samples within 10^-6 of an end are left out, where atan2 and cross products may differ by rounding. A float has 24 bits; what
     the two ways differ by is far less than their last one."""
     r, seen, left_out = np.random.default_rng(2311), 0, 0
-    for number in range(160):
-        if not takes(number, 7):
-            continue
+    for number in taken(range(160), 7):
         z, map, metres = some_land(lands, number, r)
         x, y = r.integers(-5 * 64, [(NX + 5) * 64, (NY + 5) * 64]) / 64 if number % 2 else r.integers(-5, [NX + 5, NY + 5])
         where = map[:2, :2] @ [x, y] + map[:2, 3]
@@ -257,9 +252,7 @@ def test_profiles(lands):
     the earth's lowering bends by a quarter of its value at the edge's length. A point is seen if it rises more steeply than all
     before it."""
     r, counts = np.random.default_rng(77), np.zeros(3, int)
-    for number in range(120):
-        if not takes(number, 5):
-            continue
+    for number in taken(range(120), 5):
         z, map, metres = some_land(lands, number, r)
         ends = np.column_stack([r.uniform(0, NX - 1, 2), r.uniform(0, NY - 1, 2), r.uniform(20, 40, 2)])
         ends[:, :2] = np.rint(ends[:, :2]) if number % 2 else ends[:, :2]

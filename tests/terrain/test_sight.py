@@ -7,7 +7,7 @@ import signal
 import numpy as np
 import pytest
 from library import MAPS
-from program import DIVISOR, SLOW, takes
+from program import DIVISOR, SLOW, taken
 from test_light import rough
 
 SIDE = 24
@@ -222,14 +222,10 @@ def behind_a_joined_piece(n, r):
 # ---- the rows -----------------------------------------------------------------------------------------------------------------
 
 
-class Tally:
-    def __init__(self):
-        self.seen = self.touched = self.hidden = self.high = 0
-
-
-def by_judge(lands, z, map, how, eye, fall, targets, seen, need, tally):
+def by_judge(lands, z, map, how, eye, fall, targets, seen, need):
     """Nothing is above the line to what is needed and a little more, and something is above that to a little less; both by more than floats
-    and the search's rounding leave open. An edge may be so near to the eye that its share of the way, known to 2^-49, is far below 1."""
+    and the search's rounding leave open. An edge may be so near to the eye that its share of the way, known to 2^-49, is far below 1.
+    Returns how many lines touch something."""
     highest, bare = (Judge(z, eye, fall, rows).highest for rows in (targets, targets * [1, 1, 1, 0]))
     assert (seen == (highest < 0)).all() and ((need > 0) == (bare > 0)).all()
     block = lands.table("sights", np.hstack([np.broadcast_to([*eye, how.get("curvature", 0)], (len(targets), 4)), targets]))[:, 0]
@@ -239,10 +235,10 @@ def by_judge(lands, z, map, how, eye, fall, targets, seen, need, tally):
     slack = 1e-5 + 1e-6 * needed
     more, less = (Judge(z, eye, fall, np.column_stack([targets[some, :3], needed + off])).highest for off in (slack, -slack))
     assert (more <= 0).all() and ((less >= 0) | (needed <= slack)).all()
-    tally.touched += (highest == 0).sum()
+    return (highest == 0).sum()
 
 
-def by_lines(lands, z, map, how, eye, fall, targets, seen, need, tally):
+def by_lines(lands, z, map, how, eye, fall, targets, seen, need):
     """Needs that are read off the skyline are those of the lines to 2^-17 m, and the same floats where those are coarser."""
     rows = np.hstack([np.broadcast_to([*eye, how.get("curvature", 0)], (len(targets), 4)), targets])
     _, sees, right, steepest = lands.table("sights", rows).T
@@ -251,10 +247,11 @@ def by_lines(lands, z, map, how, eye, fall, targets, seen, need, tally):
     x, y, height, _ = targets.T
     base = height - eye[2] - lowered(fall, x - eye[0], y - eye[1])
     assert (np.abs(np.maximum(steepest - base, 0) - right) <= 2.0**-17 + 1e-6 * right).all()
+    return 0
 
 
-def check_view(lands, case, some, r, check, tally):
-    """About so many samples of a viewshed, evenly; all if that is 0."""
+def check_view(lands, case, some, r, check):
+    """About so many samples of a viewshed, evenly; all if that is 0. Returns how many are seen, touched, hidden and need much."""
     z, map, how = case
     z = lands.land(z, map).astype(float)
     seen, needs, eye, fall = lands.round(**how)
@@ -267,11 +264,9 @@ def check_view(lands, case, some, r, check, tally):
     every = z.size // some + 1 if some else 1
     at = np.flatnonzero(clear & ~lost & ~own & ((np.arange(z.size) - r.integers(every)) % every == 0).reshape(z.shape))
     targets = np.column_stack([of.flat[at] for of in (x, y, z)] + [np.full(len(at), how.get("target", 0) / map[2][2])])
-    if len(at) > 0:
-        check(lands, z, map, how, eye, fall, targets, seen.flat[at] == 1, needs.flat[at].astype(float), tally)
-    tally.seen += (seen.flat[at] == 1).sum()
-    tally.hidden += (seen.flat[at] == 0).sum()
-    tally.high += (needs.flat[at] > 1024).sum()
+    seen, needs = seen.flat[at] == 1, needs.flat[at].astype(float)
+    touched = check(lands, z, map, how, eye, fall, targets, seen, needs) if len(at) > 0 else 0
+    return np.array([seen.sum(), touched, (~seen).sum(), (needs > 1024).sum()])
 
 
 # Cases, of which one in so many at least is taken where time is short; how they are checked, and how many samples of a case, 0 for all; how many
@@ -287,21 +282,16 @@ ROWS = {small_land: (576, 12, by_judge, 80, 1500, 0, 1500, 0), large_land: (4, 2
 @pytest.mark.parametrize("row", ROWS)
 def test_every_sample(lands, row):
     cases, step, check, samples, *least = ROWS[row]
-    tally, short = Tally(), min(DIVISOR * SLOW, 5) if cases > 1 and samples else 1
-    for n in range(cases):
-        if takes(n, step):
-            r = np.random.default_rng([2024, n])
-            check_view(lands, row(n, r), samples // short, r, check, tally)
-    share = short * min(DIVISOR * SLOW, step)
-    found = [tally.seen, tally.touched, tally.hidden, tally.high]
-    assert all(count * share >= wanted for count, wanted in zip(found, least)), found
+    found, short = np.zeros(4, int), min(DIVISOR * SLOW, 5) if cases > 1 and samples else 1
+    for n in taken(range(cases), step):
+        r = np.random.default_rng([2024, n])
+        found += check_view(lands, row(n, r), samples // short, r, check)
+    assert (found * short * min(DIVISOR * SLOW, step) >= least).all(), found
 
 
 def test_lines_between_places(lands):
     counts = np.zeros(3, int)
-    for number in range(40):
-        if not takes(number, 4):
-            continue
+    for number in taken(range(40), 4):
         r = np.random.default_rng([13, number])
         z, slope = slope_of_whole_numbers(r, SIDE, SIDE)
         z = lands.land(z).astype(float)

@@ -2,7 +2,7 @@
 """The skyline against all edges one by one: edges anywhere, that share ends, that are narrow or a single place, and that are added from
 where a look last was."""
 import numpy as np
-from program import takes
+from program import taken
 
 BLUR = 2.0**-19
 NEW, ADD, LOOK, LEAST = range(4)  # what library_terrain.h does
@@ -24,9 +24,7 @@ def check(edges, directions, low, high):
 
 
 def test_edges_one_by_one(lands):
-    for number in range(400):
-        if not takes(number, 80):
-            continue
+    for number in taken(range(400), 80):
         r = np.random.default_rng(number)
         edges, rows = [], [[NEW, 0, 0, 0, 0, 0, 0]]
         for _ in range(r.integers(1, 61)):

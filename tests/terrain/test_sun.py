@@ -4,7 +4,7 @@ the published formulas, and sums of single shadows; metres, directions, times an
 import numpy as np
 import pytest
 from library import ARGUMENT, Room, horizon, light
-from program import takes
+from program import taken
 from test_light import CELL, hills
 
 SIDE = 49
@@ -101,7 +101,7 @@ def test_light_by_hand(lands):
     assert (lands.table("skies", [[3, 1, 0, 0], [3, 1, -5, 0]])[:, 1] == 0).all() and lands.table("skies", [[3, 1, -0.01, 0]])[0, 2] == 0
 
 
-@pytest.mark.parametrize("tilt", [tilt for k, tilt in enumerate(range(0, 75, 15)) if takes(k, 3)])
+@pytest.mark.parametrize("tilt", taken(range(0, 75, 15), 3))
 def test_the_sky_over_a_plane(lands, tilt):
     """It sees (1 + cos tilt) / 2 of it. The sum over directions is the trapezoidal rule for a periodic function whose slope jumps
     where the plane meets the level, twice: by at most 2 tan(tilt) there, so it is off by less than 2 · jump · step² / 8 / (2 π).

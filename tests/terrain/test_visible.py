@@ -4,7 +4,7 @@ every instruction set, number of threads, part of the eyes and place of the land
 import numpy as np
 import pytest
 from library import ARGUMENT
-from program import takes
+from program import taken
 from test_coarser import SHAPES
 
 SIZES = [(2, 2), (2, 41), (41, 2), (17, 17), (65, 65), (31, 12)]
@@ -106,10 +106,8 @@ class Against:
 
     def check(self, z, directions, seed, eye=0, target=0, reach=0, drop=0):
         z, r = self.lands.land(z), np.random.default_rng(seed)
-        for number in range(directions):
+        for number in taken(range(directions), 10):
             dx, dy = direction(r, number)
-            if not takes(number, 10):
-                continue
             length = np.hypot(dx, dy)
             how = dx, dy, reach / length, drop * length * length, eye, target
             found = [values.ravel() for values in self.lands.visible(how, keep=True)]
@@ -149,29 +147,26 @@ def test_little_is_left_to_rounding(against):
 
 
 def test_large_land_is_seen_rightly(against):
-    for k, (eye, target) in enumerate(HEIGHTS[:5]):
-        if takes(k, 3):
-            nx, ny = (255, 130) if k % 2 else (90, 300)
-            against.check(lakes(nx, ny, 980), 20, k, eye, target, drop=1e-4 if k % 2 else 0)
+    for k, (eye, target) in taken(enumerate(HEIGHTS[:5]), 3):
+        nx, ny = (255, 130) if k % 2 else (90, 300)
+        against.check(lakes(nx, ny, 980), 20, k, eye, target, drop=1e-4 if k % 2 else 0)
     assert against.open < 0.01 * against.all
 
 
 def test_spikes_are_not_passed_over(against):
     """Single high samples, which a bound must not miss: the earth's curvature hides all flat land that is not near."""
-    for k in range(6):
-        if takes(k, 3):
-            z, r = np.full((170, 160), 0.375), np.random.default_rng(k)
-            z.flat[r.integers(0, z.size, 400)] += r.uniform(0, 60, 400)
-            against.check(z, 45, k, 2 if k % 2 else 0.5, 0 if k % 3 else 1, drop=0.005)
+    for k in taken(range(6), 3):
+        z, r = np.full((170, 160), 0.375), np.random.default_rng(k)
+        z.flat[r.integers(0, z.size, 400)] += r.uniform(0, 60, 400)
+        against.check(z, 45, k, 2 if k % 2 else 0.5, 0 if k % 3 else 1, drop=0.005)
 
 
 def test_reach_and_curvature_count(against):
     """Distances end within pieces, at borders and beyond; the earth is flat, a little curved, and as round as a ball."""
-    for k in range(1, 15):
-        if takes(k, 4):
-            more = {"reach": (0, 0.3137, 5.2713, 61.317, 1)[k % 5], "drop": (0, 1e-4, 0.05)[k // 5]}
-            against.check(lakes(155, 130, 990 if k % 2 else 0), 17, k, *HEIGHTS[k % 6], **more)
-            against.check(made("holes", 40, 31, k), 17, k, *HEIGHTS[k % 6], **more)
+    for k in taken(range(1, 15), 4):
+        more = {"reach": (0, 0.3137, 5.2713, 61.317, 1)[k % 5], "drop": (0, 1e-4, 0.05)[k // 5]}
+        against.check(lakes(155, 130, 990 if k % 2 else 0), 17, k, *HEIGHTS[k % 6], **more)
+        against.check(made("holes", 40, 31, k), 17, k, *HEIGHTS[k % 6], **more)
 
 
 # ---- bits -------------------------------------------------------------------------------------------------------------------
@@ -196,10 +191,8 @@ def elsewhere(lands, z, how, wanted, r):
 def test_bits_are_the_same(lands):
     """For every instruction set, on threads; for every k-th eye of some rectangle in two calls; and elsewhere."""
     r = np.random.default_rng(99)
-    for number in range(30):
+    for number in taken(range(30), 16):
         how = *direction(r, number), 33.3 if number % 5 == 2 else 0, 1e-4 if number % 4 == 1 else 0, *HEIGHTS[number % 6]
-        if not takes(number, 16):
-            continue
         z = lakes(NX, NY, 990 if number % 2 else 0)
         z.flat[r.integers(0, z.size, 300)] = np.nan
         lands.land(z)
@@ -226,22 +219,20 @@ def test_lakes_are_the_same_elsewhere(lands):
     """Over water that is in sight as a whole, slopes must rise after rounding, too: where crossings nearly coincide, and where curvature or a low eye
     leaves little. Blocks that begin elsewhere have other crossings amid them."""
     r, z = np.random.default_rng(17), lakes(NX, NY, 1035)
-    for number in range(108):
-        if takes(number, 16):
-            beside = (1 if number // 12 % 2 else -1) * 2.0 ** (-18 - number % 9)  # so crossings come soon after another, or before
-            how = ((1 / 3, -0.5, 0.75, -1 / 7)[number % 4] + beside, 1 if number % 8 < 4 else -1, 0, (0, 1e-7, 1e-5)[number % 3],
-                   (2.0**-10, 2, 300)[number // 3 % 3], 0)
-            lands.land(z)
-            wanted = lands.visible(how)[:2]
-            for _ in range(4):
-                elsewhere(lands, z, how, wanted, r)
+    for number in taken(range(108), 16):
+        beside = (1 if number // 12 % 2 else -1) * 2.0 ** (-18 - number % 9)  # so crossings come soon after another, or before
+        how = ((1 / 3, -0.5, 0.75, -1 / 7)[number % 4] + beside, 1 if number % 8 < 4 else -1, 0, (0, 1e-7, 1e-5)[number % 3],
+               (2.0**-10, 2, 300)[number // 3 % 3], 0)
+        lands.land(z)
+        wanted = lands.visible(how)[:2]
+        for _ in range(4):
+            elsewhere(lands, z, how, wanted, r)
 
 
 def test_slack_changes_nothing(lands):
     """Directions close to each other share bounds."""
     lands.land(lakes(NX, NY, 990))
-    some = [k for k in range(40) if takes(k, 5)]  # some on each side
-    ways = [(-0.31 + 0.0004 * (k if k < 20 else k - 50), 1, 0, 0, 2, 0) for k in some]
+    ways = [(-0.31 + 0.0004 * (k if k < 20 else k - 50), 1, 0, 0, 2, 0) for k in taken(range(40), 5)]  # some on each side
     wanted = [lands.visible(way)[:2] for way in ways]
     for way, one in zip(ways, wanted):
         assert same(lands.visible((*way, 2.0**-7), keep=True), one)
