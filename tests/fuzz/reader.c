@@ -108,17 +108,12 @@ static void read_scene(const uint8_t *data, size_t size) {
     scene_free(scene_load(paths[SCENE], pass_over, NULL, &error));
 }
 
-static const struct reader {
-    const char *name;
-    void (*read)(const uint8_t *data, size_t size);
-} readers[] = {{"npy_field", read_field},
-               {"npy_rays", read_rays},
-               {"points", read_points},
-               {"exr", read_picture},
-               {"pbrt", read_scene}};
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    for (size_t k = 0; k < sizeof readers / sizeof *readers; k++)
-        if (strcmp(readers[k].name, READER) == 0) readers[k].read(data, size);
+    static void (*const readers[])(const uint8_t *, size_t) = {[FIELD] = read_field,
+                                                               [RAYS] = read_rays,
+                                                               [POINTS] = read_points,
+                                                               [PICTURE] = read_picture,
+                                                               [SCENE] = read_scene};
+    readers[READER](data, size);
     return 0;
 }

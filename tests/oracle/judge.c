@@ -169,12 +169,10 @@ const char *verdict_name(verdict v) {
     return names[v];
 }
 
-static bool holds_the_point(const oracle_truth *truth, const cw_hit *hit) {
-    for (unsigned k = 0; truth->hit && k < truth->at; k++) {
-        const oracle_triangle *t = &truth->triangle[k];
-        if (t->i == hit->i && t->j == hit->j && t->triangle == hit->triangle) return true;
-    }
-    return false;
+bool oracle_names(const oracle_truth *truth, const oracle_triangle *t) {
+    const oracle_triangle *at = truth->triangle, *end = at + truth->at;
+    while (at < end && !(at->i == t->i && at->j == t->j && at->triangle == t->triangle)) at++;
+    return at < end;
 }
 
 bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *over) {
@@ -254,7 +252,7 @@ judgement oracle_judge(oracle *o, const cw_hit *hit) {
     if (oracle_solid(o, t.i, t.j, t.triangle)) j.blur = blur(o, &t);
     j.verdict = !j.at.holds                                ? VERDICT_PHANTOM
                 : truth->passes && (double)hit->t > latest ? VERDICT_WRONG_SURFACE
-                : !holds_the_point(truth, hit)             ? VERDICT_TIE
+                : !oracle_names(truth, &t)                 ? VERDICT_TIE
                                                            : VERDICT_RIGHT;
     if (j.verdict == VERDICT_RIGHT) check_digits(o, hit, &j);
     return j;

@@ -52,6 +52,9 @@ typedef struct oracle_truth {
 /* Traces one ray; the truth stays until the next. */
 const oracle_truth *oracle_trace(oracle *o, const cw_ray *ray);
 
+/* Whether the exact hit is on a triangle. */
+bool oracle_names(const oracle_truth *truth, const oracle_triangle *t);
+
 typedef enum verdict {
     VERDICT_RIGHT,         /* miss and miss, or hit and hit on a triangle that holds the exact point */
     VERDICT_TIE,           /* within the bounds of rounding, not the exact answer */

@@ -67,13 +67,6 @@ static bool meet(mpq_t *q, const test_field *f, const cw_ray *ray, int32_t i, in
     return mpq_cmp(q[T0], q[T1]) <= 0;
 }
 
-static bool named(const oracle_truth *truth, int32_t i, int32_t j, uint32_t triangle) {
-    for (unsigned k = 0; k < truth->at; k++)
-        if (truth->triangle[k].i == i && truth->triangle[k].j == j && truth->triangle[k].triangle == triangle)
-            return true;
-    return false;
-}
-
 static void compare(const test_field *f, const cw_ray *given, const oracle_truth *truth) {
     cw_ray ray = *given;
     bool good = ray.tmin <= ray.tmax, moves = false;
@@ -103,7 +96,7 @@ static void compare(const test_field *f, const cw_ray *given, const oracle_truth
                 mpq_set(q[FIRST], q[T0]);
                 hit = true;
                 same_t++;
-                found += named(truth, i, j, triangle);
+                found += oracle_names(truth, &(oracle_triangle){i, j, triangle});
             }
     const double rational = hit ? mpq_get_d(q[FIRST]) : (double)INFINITY;
     const bool right =
