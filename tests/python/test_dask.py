@@ -147,6 +147,8 @@ def test_chunked_dataarray(placed):
     (lambda f: cwd.viewshed(f, [1, 2], 3, needed=True), ValueError, "needed: that of one observer, not of 2"),
     *((lambda f, chunks=chunks: cwd.shadow(f, chunks=chunks), ValueError, "^chunks: .*for a raster of 301 x 263") for chunks in (0, -5, "many", (3, 3, 3))),
     (lambda f: cwd.shadow(f, nodata="none"), TypeError, "nodata: 'none'"),
+    (lambda f: cwd.to_geotiff(da.zeros((10, 20), dtype="uint8"), "a.tif", like=f), ValueError, "like: .* has 301 x 263 samples, the result 10 x 20"),
+    (lambda f: cwd.to_geotiff(da.zeros((10, 20)), "a.tif"), TypeError, "result: dtype float64, expected uint8"),
     (lambda f: cwd.to_geotiff(3, "nowhere.tif"), TypeError, "result: int, expected what"),
     (lambda f: cwd.sky_view(f, max_distance=0), ValueError, "max_distance: 0, expected metres above 0")])
 def test_what_is_too_much_is_said_before(file, call, kind, words):

@@ -165,7 +165,7 @@ def test_each_argument_is_checked(name):
     """A word, NaN and infinity are refused, and the error begins with the argument's name. Rays and places may have NaN."""
     field = cw.Field(rough(holes=False))
     for parameter in list(inspect.signature(getattr(cw.Field, name)).parameters.keys() - SWITCHES - {"self"}):
-        for wrong in ["wrong", np.nan, np.inf][:1 if parameter in ("tmin", "tmax", "nodata", "lon_lat", "weights") or name == "at" else 3]:
+        for wrong in ["wrong", np.nan, np.inf][:1 if parameter in ("tmin", "tmax", "nodata") or name == "at" else 3]:
             with pytest.raises((TypeError, ValueError), match=rf"^([xy], )*{parameter}\b.*: "):
                 getattr(field, name)(**{**CALLS[name], parameter: wrong})
 

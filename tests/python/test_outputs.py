@@ -130,14 +130,6 @@ def test_names_are_only_names():
     assert os.listdir(".") == ["folder.tif"] and not os.listdir("folder.tif")
 
 
-def test_like_has_the_same_size():
-    geotiff("dem.tif", HILLS)
-    with pytest.raises(ValueError, match="like: 'dem.tif' has 300 x 270 samples, the result 10 x 20"):
-        cwd.to_geotiff(da.zeros((10, 20), dtype="uint8"), "a.tif", like="dem.tif")
-    with pytest.raises(TypeError, match="result: dtype float64, expected uint8"):
-        cwd.to_geotiff(da.zeros((10, 20)), "a.tif")
-
-
 @pytest.mark.parametrize("dtype", ["uint8", "uint16", "int16", "float32", ">f4"])
 def test_dtypes(dtype):
     z = values().astype(dtype)

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from program import BENCH, PROGRAM, SCENE, SOURCE, asc, feature, geojson, on_map, rays, run, shell, takes, vrt, write
+from program import BENCH, PROGRAM, SCENE, SOURCE, asc, feature, geojson, library, on_map, rays, run, shell, takes, vrt, write
 
 NAMES = {"cellwalk": PROGRAM, "cellwalk-bench": BENCH}
 
@@ -50,8 +50,7 @@ def subcommands(help):
 @pytest.mark.parametrize("program", NAMES)
 def test_examples(program):
     """Each line that begins with the program's name, or has it behind a gap; lines that end in a backslash go on. Formats may be missing."""
-    there = [line.split()[:2] for line in run("--version").out.splitlines()]
-    lacking = [ending for ending, library in {".tif": "GDAL", ".gpkg": "GDAL", ".exr": "OpenEXR", ".png": "libpng"}.items() if [library, "yes"] not in there]
+    lacking = [ending for ending, name in {".tif": "GDAL", ".gpkg": "GDAL", ".exr": "OpenEXR", ".png": "libpng"}.items() if not library(name)]
     help = sh(f"{program} --help").stdout
     texts = [help.replace("X,Y", "600250,5199800")]  # stands for a place
     texts += [sh(f"{program} {name} --help").stdout.partition("\nExamples:\n")[2] for name in subcommands(help)]

@@ -4,20 +4,12 @@
 Nothing else changes in the folder, and no memory is lost."""
 import numpy as np
 import pytest
-from program import PRELOAD, entries, needs, rays, read, run, take, write
+from program import PRELOAD, SCENE, entries, needs, rays, read, run, take, write
 
 KINDS = "memory", "write", "rename", "open", "read", "map", "thread"
-SCENE = """Film "image" "integer xresolution" [8] "integer yresolution" [8]
-Camera "perspective" "float fov" [60]
-WorldBegin
-LightSource "point" "color I" [9 9 9]
-Texture "t" "color" "imagemap" "string filename" ["sand.exr"]
+SCENE = SCENE.replace("40", "8").replace("30", "8").replace("Translate -1 -1 2", """Texture "t" "color" "imagemap" "string filename" ["sand.exr"]
 Material "matte" "texture Kd" ["t"]
-Translate -2 -2 4
-Scale 4 4 1
-Include "sea.pbrt"
-WorldEnd
-"""
+Translate -1 -1 2""").replace('Shape "heightfield" "integer nu" 2 "integer nv" 2 "float Pz" [0 0 .3 0]', 'Include "sea.pbrt"')
 
 
 @pytest.fixture(autouse=True)

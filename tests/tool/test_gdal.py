@@ -49,6 +49,8 @@ def test_pipes_are_refused():
                       ("/vsizip/pipe/a.tif", "not a regular file"), ("/vsisubfile/0_99,pipe", "not a regular file"),
                       ("GTIFF_DIR:1:pipe", "not a regular file"), ('NETCDF:"pipe":z', "not a regular file")]:
         is_refused(why, "info", name)
+    os.symlink("pipe", "pipe.geojson")
+    is_refused("not a regular file", "viewshed", "field.npy", "--observers", "pipe.geojson", "-o", "o.npy")
 
 
 ADDRESS = "MEM:::DATAPOINTER=1,PIXELS=4,LINES=4,DATATYPE=Float32"
@@ -111,6 +113,7 @@ def test_no_request_unless_asked_for(server):
           "</TileCountX><TileCountY>1</TileCountY></DataWindow><BlockSizeX>4</BlockSizeX><BlockSizeY>4</BlockSizeY><BandsCount>1</BandsCount>"
           "</GDAL_WMS>")
     ways = [is_open_on_request(server, "info", name) for name in ("map.tif", f"/vsicurl/{here}/b.tif")]  # by names on the command line
+    ways += [is_open_on_request(server, "viewshed", "field.npy", "--observers", name, "-o", "o.npy") for name in (f"{here}/a.geojson", f"WFS:{here}/a")]
     for source in (f"/vsicurl/{here}/a.tif", f"/vsicurl_streaming/{here}/a.tif", f"/vsizip//vsicurl/{here}/a.zip/a.tif",
                    f"NETCDF:&quot;{here}/a.nc&quot;:z", f"{here}/a.tif", f"WMTS:{here}/w", "map.tif"):
         hide("net.vrt", source)

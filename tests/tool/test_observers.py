@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """Observers of a viewshed from tables, files of features and along lines; ../python/test_products.py has what is counted and written of them."""
-import os
-
 import numpy as np
 import pytest
 from program import asc, feature, geojson, needs, on_map, read, refused, run, taken, vrt, write
@@ -159,8 +157,3 @@ def test_features_that_are_refused():
             ([point], ("--weights",), "has no column 'weight'")], 3):
         geojson("w.geojson", *features)
         refused(1, f"w.geojson: {why}", "viewshed", "utm.vrt", "--observers", "w.geojson", *more, "-o", "o.npy")
-    # Doors: no network, no waiting for a pipe, no input overwritten.
-    os.mkfifo("pipe.geojson", 0o600)
-    for name, why in [("http://127.0.0.1:9/a.geojson", "--allow-network"), ("WFS:http://127.0.0.1:9/a", "--allow-network"),
-                      ("pipe.geojson", "not a regular file")]:
-        refused(1, why, "viewshed", "utm.vrt", "--observers", name, "-o", "o.npy")

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from program import REAL, array, needs, needs_real, read, refused, run, well, write
+from program import array, needs, read, refused, run, wall, well, write
 
 NX, NY = 60, 50
 ROWS, COLUMNS = np.mgrid[:NY, :NX]
@@ -13,15 +13,10 @@ FLAT = *MAP, "--curvature", 0
 
 
 @pytest.fixture(autouse=True)
-def wall(folder):
-    """A wall of 40 m along row 20, y = 290, on level ground; and the same with a hole at x = 300, y = 250."""
-    z = np.zeros((NY, NX), np.float32)
-    z[20] = 40
-    np.save("wall.npy", z)
-    holed = z.copy()
-    holed[24, 30] = np.nan
-    np.save("holed.npy", holed)
-    return z
+def land(folder):
+    """A wall at y = 290; and with a hole at x = 300, y = 250."""
+    wall("wall.npy")
+    wall("holed.npy", (24, 30))
 
 
 SUN = "--sun", "0,45.1"
@@ -100,7 +95,7 @@ def test_rows_without_a_map(words):
 
 
 @pytest.mark.parametrize("date, rows", [("0999", 12), ("0999-02", 28), ("2024-02", 29), ("9999", 12)])
-def test_months_and_years(wall, date, rows):
+def test_months_and_years(date, rows):
     assert well("sun", "wall.npy", *MAP, "--lon-lat", "9,47", "--date", date, "--step", "6h", "--at", "5,5").out.count("\n") == 1 + rows
 
 
@@ -152,8 +147,8 @@ def test_geotiffs_say_how_they_were_made(words, says):
 
 
 def test_creation_options():
-    needs_real()
-    words = "shadow", REAL, "--sun", "0,30", "--co"
+    needs("GDAL")
+    words = "shadow", "wall.npy", *MAP, "--sun", "0,30", "--co"
     for option, magic in ("BIGTIFF=YES", 43), ("BIGTIFF=NO", 42):
         well(*words, option, "--co", "compress=LZW", "-o", "s.tif")
         assert read("s.tif")[2] == magic

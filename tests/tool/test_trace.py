@@ -38,7 +38,7 @@ def test_files_of_hits(table):
             got = traced("field.npy", "rays.npy", "--kernel", kernel["name"], "--leaf", kernel["leaf"], "--threads", 1)
             assert got.tobytes() == default.tobytes() if kernel["leaf"] == strict and kernel["name"] not in ("brute", "grid3d") else \
                 np.isclose(got["t"], default["t"], rtol=1e-4).mean() > 0.99
-    well("trace", "--threads=3", "-ohits.npy", "--", "field.npy", "rays.npy")
+    well("trace", "--threads=3", "-ohits.npy", "--", "field.npy", "rays.npy", isa="scalar")
     assert np.load("hits.npy").tobytes() == default.tobytes()
     assert (traced("--occluded", "field.npy", "rays.npy") == (default["i"] >= 0)).all() and entries() == ["field.npy", "hits.npy", "rays.npy"]
     # A file of the first version, whose data begin at a multiple of 64. More rays than one piece holds, the last piece being short; and none.

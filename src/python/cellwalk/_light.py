@@ -97,6 +97,8 @@ def _days(day: Day, name: str) -> tuple[float, float]:
 
 
 def _lon_lat(lon_lat) -> tuple[float, float]:
+    if np.shape(lon_lat) != (2,):
+        raise ValueError(f"lon_lat: {lon_lat!r}, expected a longitude and a latitude")
     return finite(lon_lat[0], "lon_lat"), finite(lon_lat[1], "lon_lat", -90, 90)
 
 

@@ -112,6 +112,8 @@ def spots_of(x, y, height, elevation, default: float = 2.0, weights=None, of: st
         raise ValueError(f"shapes do not broadcast: x {given[0].shape}, y {given[1].shape}, {name} {given[2].shape}, weights "
                          f"{given[3].shape}") from None
     spots = np.stack([*columns[:3], np.full(columns[0].shape, float(absolute)), columns[3]], -1).reshape(-1, 5)
+    if not np.isfinite(spots[:, 4]).all():
+        raise ValueError(f"weights: {spots[~np.isfinite(spots[:, 4]), 4][0]}, expected finite numbers")
     if not np.isfinite(spots).all():
         raise ValueError(f"x, y, {name}: {spots[~np.isfinite(spots).all(1)][0, :3].tolist()} is not finite")
     if not 1 <= len(spots) <= SPOTS_MOST:
