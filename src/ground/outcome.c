@@ -23,43 +23,36 @@ void outcome_end(outcome *o) {
     o->kept = NULL;
 }
 
-const float *outcome_read(const io_raster_product *p, const void *cells, size_t n, float *values) {
+/* Cells as floats, with NaN for no data: these themselves if they are floats, else values. */
+static const float *read_cells(const io_raster_product *p, const void *cells, size_t n, float *values) {
+    const uint8_t *bytes = cells;
+    const uint16_t *words = cells;
     if (p->cell == IO_CELL_FLOAT32) return cells;
-    for (size_t k = 0; k < n; k++) {
-        const unsigned value = p->cell == IO_CELL_UINT8 ? ((const uint8_t *)cells)[k] : ((const uint16_t *)cells)[k];
-        values[k] = value == p->nodata ? NAN : (float)value;
-    }
+    for (size_t k = 0; k < n && p->cell == IO_CELL_UINT8; k++) values[k] = bytes[k] == p->nodata ? NAN : bytes[k];
+    for (size_t k = 0; k < n && p->cell != IO_CELL_UINT8; k++) values[k] = words[k] == p->nodata ? NAN : words[k];
     return values;
 }
 
-void outcome_take(outcome *o, const float *values, size_t n) {
+const float *outcome_take(outcome *o, const io_raster_product *p, const void *cells, size_t n, float *room) {
+    const float *values = read_cells(p, cells, n, room);
+    size_t holes = 0, above = 0;
+    float low = o->low, high = o->high;
     for (size_t k = 0; k < n; k++) {
-        const float value = values[k];
-        o->holes += isnan(value) ? 1 : 0;
-        o->above += value > 0;
-        o->low = value < o->low ? value : o->low;
-        o->high = value > o->high ? value : o->high;
+        holes += isnan(values[k]) != 0;
+        above += values[k] > 0;
+    }
+    for (size_t k = 0; k < n && values == cells; k++) {
+        low = values[k] < low ? values[k] : low;
+        high = values[k] > high ? values[k] : high;
     }
     for (size_t k = (o->step - o->samples % o->step) % o->step; k < n; k += o->step)
         if (!isnan(values[k]) && o->count < o->room) o->kept[o->count++] = values[k];
     o->samples += n;
-}
-
-bool outcome_count(outcome *o, const io_raster_product *p, const void *cells, size_t n) {
-    const uint8_t *bytes = cells, nodata = (uint8_t)p->nodata;
-    if (p->cell != IO_CELL_UINT8) return false;
-    o->samples += n;
-    for (size_t k = 0; k < n;) { /* few enough for counts in bytes, of which a vector holds many */
-        const size_t end = n - k < UINT8_MAX ? n : k + UINT8_MAX, part = end - k;
-        uint8_t holes = 0, zeros = 0;
-        for (; k < end; k++) {
-            holes = (uint8_t)(holes + (bytes[k] == nodata));
-            zeros = (uint8_t)(zeros + (bytes[k] == 0));
-        }
-        o->holes += holes;
-        o->above += part - holes - zeros;
-    }
-    return true;
+    o->holes += holes;
+    o->above += above;
+    o->low = low;
+    o->high = high;
+    return values;
 }
 
 double outcome_quantile(const outcome *o, double share) {

@@ -9,8 +9,8 @@
 
 typedef struct outcome {
     size_t samples, holes, above; /* all, without data, and above 0 */
-    float low, high;
-    float *kept; /* every step-th value that is a number, for quantiles */
+    float low, high;              /* of floats */
+    float *kept;                  /* every step-th value that is a number, for quantiles */
     size_t count, room, step;
 } outcome;
 
@@ -18,11 +18,8 @@ typedef struct outcome {
 bool outcome_begin(outcome *o, size_t values, io_error *error);
 void outcome_end(outcome *o);
 
-/* Cells of the product as floats, with NaN for no data: these themselves if they are floats, else values. */
-const float *outcome_read(const io_raster_product *p, const void *cells, size_t n, float *values);
-void outcome_take(outcome *o, const float *values, size_t n);
-/* Only counts cells, of which no quantile is asked for: without floats, and fast. False for kinds of cells that it does not count. */
-bool outcome_count(outcome *o, const io_raster_product *p, const void *cells, size_t n);
+/* The next n cells of the product. Returns them as floats, with NaN for no data: these themselves if they are floats, else in room. */
+const float *outcome_take(outcome *o, const io_raster_product *p, const void *cells, size_t n, float *room);
 
 /* After the last value. NaN without any. */
 double outcome_quantile(const outcome *o, double share);

@@ -28,7 +28,6 @@ static cw_status create(raster_field *f, const cw_run *how) {
     desc.ny = r->ny;
     desc.storage = CW_BORROW;
     memcpy(desc.map, r->map, sizeof desc.map);
-    memcpy(f->map, r->map, sizeof f->map);
     cw_status status = cw_field_create(&desc, how, &f->field);
     if (status != CW_ERROR_SAMPLE) return status;
     desc.storage = CW_COPY;
@@ -42,7 +41,6 @@ bool raster_field_build(raster_field *f, const char *path, const cw_run *query, 
     if (status == CW_ERROR_CANCELLED) return io_fail(error, "interrupted");
     if (status != CW_OK)
         return io_fail(error, "%s: %zu x %zu samples: %s", path, f->raster.nx, f->raster.ny, cw_last_error());
-    f->kernel = cw_run_kernel(f->field, query);
     return true;
 }
 
@@ -76,21 +74,19 @@ static void note(const ground_watch *w, const char *path, const cw_field *full, 
     w->note(w->context, text);
 }
 
-bool raster_field_coarsen(raster_field *f, const char *path, const ground_coarser *c, const cw_run *query,
-                          const ground_watch *watch, io_error *error) {
+/* Replaces field, samples and map by coarser ones. */
+static bool coarsen(raster_field *f, const char *path, const ground_coarser *c, const cw_run *query,
+                    const ground_watch *watch, io_error *error) {
     const cw_run how = watched(query, watch);
     cw_field *coarser;
     cw_difference d;
     const cw_status status = cw_field_coarser(f->field, &how, c->factor, c->filter, &coarser, &d, sizeof d);
     if (status == CW_ERROR_CANCELLED) return io_fail(error, "interrupted");
     if (status != CW_OK) return io_fail(error, "%s: %s", path, cw_last_error());
-    if (watch->note) note(watch, path, f->field, coarser, &d, f->raster.z ? fabs(f->raster.map[2][2]) : 1);
+    if (watch->note) note(watch, path, f->field, coarser, &d, fabs(f->raster.map[2][2]));
     cw_field_destroy(f->field);
     f->field = coarser;
-    f->kernel = cw_run_kernel(coarser, query);
-    for (int k = 0; k < 3; k++)
-        for (int a = 0; a < 2; a++) f->map[k][a] *= (double)c->factor;
-    return f->raster.z == NULL || replace(&f->raster, coarser, c->factor, path, error);
+    return replace(&f->raster, coarser, c->factor, path, error);
 }
 
 bool raster_field_open(raster_field *f, const char *path, const io_raster_options *options,
@@ -99,7 +95,7 @@ bool raster_field_open(raster_field *f, const char *path, const io_raster_option
     cw_run how = *query;
     if (coarser->factor > 0) how.expert.kernel = cw_kernel_find("cell"); /* a coarser field needs the samples alone */
     if (io_raster_read(path, options, &f->raster, error) && raster_field_build(f, path, &how, watch, error) &&
-        (coarser->factor == 0 || raster_field_coarsen(f, path, coarser, query, watch, error)))
+        (coarser->factor == 0 || coarsen(f, path, coarser, query, watch, error)))
         return true;
     raster_field_close(f);
     return false;

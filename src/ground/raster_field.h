@@ -22,9 +22,7 @@ typedef struct ground_coarser {
 
 typedef struct raster_field {
     cw_field *field;
-    const cw_kernel *kernel; /* that the query runs on the field; its structures are built */
-    io_raster raster;        /* owner of the samples if the field borrows them */
-    double map[3][4];        /* field space to the file's coordinates */
+    io_raster raster; /* owner of the samples if the field borrows them */
 } raster_field;
 
 /* Reads a raster and builds its field for query: nothing that this does not need, and on its pool. On failure there is nothing to
@@ -35,10 +33,6 @@ bool raster_field_open(raster_field *f, const char *path, const io_raster_option
 /* Builds the field of a raster that f holds already. */
 bool raster_field_build(raster_field *f, const char *path, const cw_run *query, const ground_watch *watch,
                         io_error *error);
-
-/* Replaces the field, and samples and map if f has a raster, by coarser ones. */
-bool raster_field_coarsen(raster_field *f, const char *path, const ground_coarser *coarser, const cw_run *query,
-                          const ground_watch *watch, io_error *error);
 
 void raster_field_close(raster_field *f);
 

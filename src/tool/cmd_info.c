@@ -56,7 +56,8 @@ static void print_machine(bool json) {
 typedef struct survey {
     raster_field file;
     cw_field_info info;
-    bool header; /* samples are not read: there are many, and nobody asked for them */
+    const cw_kernel *kernel; /* NULL: for none are structures built */
+    bool header;             /* samples are not read: there are many, and nobody asked for them */
 } survey;
 
 /* Size, map and place alone of a raster of many samples. */
@@ -70,7 +71,6 @@ static bool look_at_header(const char *path, const io_raster_options *options, s
     if (!io_raster_read(path, &o, r, error)) return false;
     s->header = r->nx > many / r->ny;
     s->info = (cw_field_info){.nx = r->nx, .ny = r->ny};
-    memcpy(s->file.map, r->map, sizeof r->map);
     if (s->header) o.warn = options->warn;
     io_raster_free(r);
     return !s->header || io_raster_read(path, &o, r, error);
@@ -153,11 +153,11 @@ static void print_field(const char *path, const survey *s) {
     printf("  samples       %zu x %zu (%zu x %zu cells)\n", f->nx, f->ny, f->nx - 1, f->ny - 1);
     if (!s->header)
         printf("  memory        %.0f bytes of samples, %zu bytes built for kernel %s: %.2f bytes a cell\n",
-               sample_bytes(f), f->bytes_built, cw_kernel_describe(s->file.kernel).name, bytes_per_cell(f));
+               sample_bytes(f), f->bytes_built, cw_kernel_describe(s->kernel).name, bytes_per_cell(f));
     puts("  user space    rows of the map from (x, y, z, 1):");
     for (int k = 0; k < 3; k++)
-        printf("                %.17g %.17g %.17g %.17g\n", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],
-               s->file.map[k][3]);
+        printf("                %.17g %.17g %.17g %.17g\n", s->file.raster.map[k][0], s->file.raster.map[k][1],
+               s->file.raster.map[k][2], s->file.raster.map[k][3]);
 }
 
 static void print_field_json(const char *path, const survey *s) {
@@ -177,7 +177,7 @@ static void print_field_json(const char *path, const survey *s) {
     }
     if (g->scale != 0) json_print(stdout, ", 'scale': %G, 'offset': %G", g->scale, g->offset);
     for (int k = 0; k < 3; k++) {
-        const double *m = s->file.map[k];
+        const double *m = s->file.raster.map[k];
         json_print(stdout, k ? ", [%G, %G, %G, %G]" : ", 'map': [[%G, %G, %G, %G]", m[0], m[1], m[2], m[3]);
     }
     json_print(stdout, "]}");
@@ -194,10 +194,10 @@ static int show(const char *path, const field_options *options, bool json, bool 
         s.info = cw_field_describe(s.file.field);
     progress_end();
     if (!good) return command_fail("info", "%s", error.text);
-    const cw_kernel *chosen = path ? s.file.kernel : cw_run_kernel(NULL, &options->query);
+    if (!s.header) s.kernel = cw_run_kernel(s.file.field, &options->query);
     if (json || !path) {
         print_machine(json);
-        print_kernels(chosen, json);
+        print_kernels(s.kernel, json);
     }
     if (path) json ? print_field_json(path, &s) : print_field(path, &s);
     if (json) puts("}");

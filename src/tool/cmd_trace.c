@@ -128,7 +128,7 @@ static bool prepare(trace *t, const char *rays, io_error *error) {
                      "%s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp -t_srs EPSG:... "
                      "puts it on a map in metres",
                      t->path);
-    t->query->expert.kernel = t->field.kernel;
+    t->query->expert.kernel = cw_run_kernel(t->field.field, t->query);
     return true;
 }
 
@@ -149,7 +149,7 @@ static void warn_of_bounds(const trace *t) {
     if (!(f.low <= f.high)) return;
     double low[3] = {0, 0, (double)f.low}, high[3] = {side[0], side[1], (double)f.high};
     for (int k = 0; k < 3 && t->user; k++) {
-        const double *m = t->field.map[k];
+        const double *m = t->field.raster.map[k];
         low[k] = high[k] = m[3];
         for (int a = 0; a < 3; a++) {
             const double from = m[a] * (a < 2 ? 0 : (double)f.low), to = m[a] * (a < 2 ? side[a] : (double)f.high);

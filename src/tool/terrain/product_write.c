@@ -107,9 +107,7 @@ static bool fill_block(writing *w, size_t band, size_t row, size_t rows, io_erro
 static bool take_block(writing *w, size_t row, size_t rows, io_error *error) {
     const io_raster_product *p = &w->product->raster;
     const ground *g = &w->product->ground;
-    if (w->picture == NULL && outcome_count(&w->outcome, p, w->cells, rows * p->nx)) return true;
-    const float *values = outcome_read(p, w->cells, rows * p->nx, w->values);
-    outcome_take(&w->outcome, values, rows * p->nx);
+    const float *values = outcome_take(&w->outcome, p, w->cells, rows * p->nx, w->values);
     const size_t first = g->window.i - g->terrain.column, local = row * w->step + g->window.j - g->terrain.row;
     return w->picture == NULL || picture_take(w->picture, row, rows, values, &g->terrain, first, local, w->step, error);
 }
