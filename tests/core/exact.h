@@ -22,17 +22,14 @@ typedef struct exact_case {
 typedef struct exact_row exact_row;
 struct exact_row {
     const char *name, *expected; /* expected: what more there is to say; NULL: not counted for papers/robustness.md */
-    void (*test)(const exact_row *row);
-    int number; /* what the test makes of it; how many cases */
+    void (*test)(const exact_row *row); /* NULL: there are cases alone */
+    int number;                         /* what the test makes of it */
     const exact_case *cases;
+    int case_count;
 };
 
 extern const exact_row exact_extremes[];
 extern const size_t exact_extremes_count;
-
-/* Every kernel that this machine runs with every leaf test that it takes. */
-extern path exact_paths[PATHS_MAX];
-extern size_t exact_path_count;
 
 typedef enum exact_choice { EVERY_PATH, WATERTIGHT_PATHS, CELL_ALONE } exact_choice;
 
@@ -41,16 +38,12 @@ typedef struct exact_counts {
     size_t rays, hits, passes, verdict[VERDICTS], answers;
 } exact_counts;
 
-/* Traces n rays for the closest and for any hit, and judges all answers. The test fails at one that is not as expected. Samples may be
- * infinite. tie: whether a tie is excused; NULL: it is. Adds to counts. */
+/* Traces n rays for the closest and for any hit, and judges all answers. The test fails at one that is not as expected.
+ * tie: whether a tie is excused; NULL: it is. Adds to counts. */
 typedef bool tie_rule(const cw_ray *ray, const oracle_truth *truth);
 void exact_judge(const test_field *f, const cw_ray *rays, size_t n, exact_choice paths, tie_rule *tie,
                  exact_counts *counts);
 
 void exact_expect(const exact_case *c);
-void exact_expect_all(const exact_row *row);
-
-/* To stdout, a line of JSON for each path: what the row has counted. */
-void exact_print_counts(const exact_row *row);
 
 #endif

@@ -8,9 +8,7 @@
 #include "lanes_grounds.h"
 
 #include "cellwalk_expert.h"
-#include "check.h"
 #include "paths.h"
-#include "rows.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,8 +16,6 @@
 
 enum { RAYS_MAX = 140000, JUNK = 16 };
 
-static path paths[PATHS_MAX];
-static size_t path_count;
 static float samples[GROUND_SAMPLES];
 static test_field shape;
 static cw_ray rays[RAYS_MAX + JUNK];
@@ -241,16 +237,10 @@ static void test_row(void **state) {
           "too few rays hit or miss for the test to mean anything");
 }
 
-static int set_up(void **state) {
-    (void)state;
-    path_count = paths_find(paths);
-    return 0;
-}
-
 int main(int argc, char **argv) {
     struct CMUnitTest tests[ROWS];
     for (size_t k = 0; k < ROWS; k++)
         tests[k] =
             (struct CMUnitTest){.name = table[k].name, .test_func = test_row, .initial_state = (void *)&table[k]};
-    return rows_run("lanes", tests, ROWS, argc, argv, set_up, NULL);
+    return paths_run("lanes", tests, ROWS, argc, argv);
 }

@@ -18,18 +18,13 @@ static cw_field *make(const ground *g, field_shape shape, field_size size, uint6
 
 cw_field *any_shape(ground *g, random_state *r) {
     const size_t s = g->number / FIELD_ALL_SHAPES % (FIELD_SIZES + 1);
-    (void)r;
     return make(g, (field_shape)(g->number % FIELD_ALL_SHAPES), s < FIELD_SIZES ? field_sizes[s] : large, s + 1);
 }
 
-cw_field *large_shape(ground *g, random_state *r) {
-    (void)r;
-    return make(g, FIELD_RANDOM, large, 1);
-}
+cw_field *large_shape(ground *g, random_state *r) { return make(g, FIELD_RANDOM, large, 1); }
 
 cw_field *small_shape(ground *g, random_state *r) {
     static const field_size sizes[] = {{2, 2}, {9, 5}, {65, 50}};
-    (void)r;
     return make(g, g->number % 2 ? FIELD_HOLES : FIELD_RANDOM, sizes[g->number % 3], g->number);
 }
 
@@ -128,7 +123,6 @@ static const struct {
 
 cw_field *known_field(ground *g, random_state *r) {
     const size_t n = g->number % KNOWN;
-    (void)r;
     *g->shape = (test_field){.shape = FIELD_MIXED, .nx = known[n].size.nx, .ny = known[n].size.ny};
     for (int k = 0; k < 4; k++) g->shape->z[known[n].at[k]] = known[n].z[k];
     return field_open(g->shape);
@@ -137,7 +131,6 @@ cw_field *known_field(ground *g, random_state *r) {
 /* In calls of 1, 17 and 33. */
 size_t known_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
     const size_t n = most == KNOWN_RAYS ? 1 : most == KNOWN_RAYS - 1 ? 17 : most;
-    (void)r;
     for (size_t k = 0; k < n; k++) rays[k] = known[g->number % KNOWN].ray;
     return n;
 }
@@ -220,17 +213,10 @@ static cw_field *land(ground *g, size_t number, uint32_t seed) {
     return field_of(g->z, nx, ny);
 }
 
-cw_field *any_land(ground *g, random_state *r) {
-    (void)r;
-    return land(g, g->number % 4, (uint32_t)g->number);
-}
+cw_field *any_land(ground *g, random_state *r) { return land(g, g->number % 4, (uint32_t)g->number); }
 
-cw_field *same_land(ground *g, random_state *r) {
-    (void)r;
-    return land(g, 4 + g->number % 2, 7);
-}
+cw_field *same_land(ground *g, random_state *r) { return land(g, 4 + g->number % 2, 7); }
 
 size_t benchmark_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
-    (void)r;
     return workload_rays_make(g->field, g->class, g->seed, most, rays);
 }

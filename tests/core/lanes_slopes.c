@@ -108,7 +108,6 @@ cw_field *corner_behind_hole(ground *g, random_state *r) {
     const size_t along = g->number & 1, turn_x = g->number & 2, turn_y = g->number & 4,
                  k = 150 + 60 * (g->number / 8 % 3);
     const size_t nx = along ? LONG : SHORT, ny = along ? SHORT : LONG, i = along ? 2 * k : k, j = along ? k : 2 * k;
-    (void)r;
     for (size_t m = 0; m < nx * ny; m++) g->z[m] = nextafterf(level, 0);
     g->z[(turn_y ? ny - 1 - j : j) * nx + (turn_x ? nx - 1 - i : i)] = level;
     g->z[(turn_y ? ny - j : j - 1) * nx + (turn_x ? nx - i : i - 1)] = NAN;
@@ -120,7 +119,6 @@ cw_field *corner_behind_hole(ground *g, random_state *r) {
 /* A float's width above the ground, two cells along one axis for each along the other. */
 size_t ray_through_corners(const ground *g, cw_ray *rays, size_t most, random_state *r) {
     const bool along = g->number & 1, turn_x = g->number & 2, turn_y = g->number & 4;
-    (void)r;
     rays[0] =
         (cw_ray){.org = {turn_x ? (float)(g->nx - 1) : 0, turn_y ? (float)(g->ny - 1) : 0, level},
                  .dir = {(turn_x ? -1.0f : 1.0f) * (along ? 1 : 0.5f), (turn_y ? -1.0f : 1.0f) * (along ? 0.5f : 1), 0},

@@ -23,7 +23,6 @@ static cw_hit got[CALLERS][RAYS];
 static uint8_t occluded[CALLERS][RAYS];
 
 static int set_up(void **state) {
-    (void)state;
     alarm(LIMIT_SECONDS); /* a deadlock is the end of this process, by a signal */
     random_state r = {7};
     field_make(&shape, FIELD_RANDOM, 17, 17, 7);
@@ -33,7 +32,6 @@ static int set_up(void **state) {
 }
 
 static int tear_down(void **state) {
-    (void)state;
     cw_field_destroy(field);
     return 0;
 }
@@ -75,7 +73,6 @@ static void ask_at_once(cw_pool *pool, size_t rounds) {
 }
 
 static void callers_at_once(void **state) {
-    (void)state;
     const size_t rounds = test_share(200, 1);
     ask_at_once(NULL, 1 + rounds / 40);
     for (unsigned threads = 1; threads <= 7; threads++) {
@@ -98,7 +95,6 @@ static void ask_again(void *context, size_t begin, size_t end) {
 }
 
 static void work_within_work(void **state) {
-    (void)state;
     caller c = {0};
     check_status(cw_pool_create(THREADS, &c.pool), CW_OK);
     cw_pool_run(c.pool, CALLERS, 1, ask_again, &c);
@@ -109,12 +105,10 @@ static void work_within_work(void **state) {
 static atomic_uchar visited[10007];
 
 static void visit(void *context, size_t begin, size_t end) {
-    (void)context;
     for (size_t k = begin; k < end; k++) atomic_fetch_add(&visited[k], 1);
 }
 
 static void each_item_once(void **state) {
-    (void)state;
     enum { ITEMS = sizeof visited / sizeof visited[0] };
     static const size_t grains[] = {1, 7, 4096, ITEMS - 1, ITEMS, ITEMS + 1, SIZE_MAX};
     cw_pool *pool;
@@ -153,16 +147,12 @@ static atomic_uint at_work;
 
 /* The caller's piece ends when a helper has the other one, and that one when the caller waits for it. */
 static void hold_helper(void *context, size_t begin, size_t end) {
-    (void)context, (void)begin, (void)end;
     atomic_fetch_add(&at_work, 1);
     while (tells_of_waiting ? atomic_load(&at_work) < 2 : !atomic_load(&waits)) sched_yield();
 }
 
 /* Work with a cancellation point in the middle, as input and output are. */
-static void look_for_an_end(void *context, size_t begin, size_t end) {
-    (void)context, (void)begin, (void)end;
-    pthread_testcancel();
-}
+static void look_for_an_end(void *context, size_t begin, size_t end) { pthread_testcancel(); }
 static bool watch_for_an_end(void *context, double done) {
     look_for_an_end(context, 0, 0);
     return done <= 1;
@@ -202,7 +192,6 @@ static void *do_one_and_end(void *argument) {
 }
 
 static void no_function_is_a_cancellation_point(void **state) {
-    (void)state;
     const cw_allocator allocator = {.allocate = allocate, .release = release};
     const size_t deeds = WORK + every_calls_count + 1;
     cw_pool *pool;
@@ -247,7 +236,6 @@ static bool look(void *context, double done) {
 
 /* A watch changes no answer, and ends the call wherever it says so. */
 static void each_call_is_watched(void **state) {
-    (void)state;
     static test_field large;
     cw_pool *pool;
     check_status(cw_pool_create(3, &pool), CW_OK);
@@ -286,7 +274,6 @@ static void each_call_is_watched(void **state) {
 /* A child has none of its parent's threads, and goes on with the pool alone. It is forked while another thread has the helpers, whose state
  * the child inherits. */
 static void pools_outlive_a_fork(void **state) {
-    (void)state;
     cw_pool *pool;
 #ifdef __SANITIZE_THREAD__
     skip(); /* its runtime does not go on in the child of a process with threads */

@@ -76,7 +76,6 @@ static cw_ray rays[KINDS][RAYS];
 static cw_user_ray user_rays[KINDS][RAYS];
 
 static int set_up(void **state) {
-    (void)state;
     random_state r = {3};
     for (size_t k = 0; k < SIDE * SIDE; k++)
         samples[k] = 0.37f * (float)(k % SIDE) + (k / SIDE < SIDE / 2 ? 20 : 0.02f) * (float)random_unit(&r);
@@ -105,7 +104,6 @@ static int set_up(void **state) {
 }
 
 static int tear_down(void **state) {
-    (void)state;
     calls_end();
     cw_field_destroy(longest);
     return 0;
@@ -146,7 +144,6 @@ static void ask_in_all_ways(const char *name, const cw_run *how, size_t limit_of
 }
 
 static void queries_keep_to_it(void **state) {
-    (void)state;
     for (cw_isa isa = CW_ISA_ANY; isa < CW_ISA_COUNT; isa++)
         ask_in_all_ways("the default kernel", &(cw_run){.expert.isa = isa}, STACK_FOR_FEW);
     for (size_t k = 0; k < cw_kernel_count(); k++) {
@@ -169,7 +166,6 @@ static void make_call(const void *what) {
 }
 
 static void other_calls_keep_to_it(void **state) {
-    (void)state;
     for (size_t k = 0; k < every_calls_count; k++)
         keeps_to(every_calls[k].stack, every_calls[k].name, 0, make_call, &every_calls[k]);
 }
@@ -186,7 +182,6 @@ static void take_much(void *context, size_t begin, size_t end) {
 
 /* As under musl, whose threads get 128 KiB unless told otherwise. */
 static void threads_of_pools_have_more(void **state) {
-    (void)state;
 #ifdef __GLIBC__
     enum { ITEMS = 4000 };
     static unsigned char done[ITEMS];

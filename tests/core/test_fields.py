@@ -55,8 +55,11 @@ def test_heights_and_holes(library):
         for z, status in [((0, most, -most, np.nan), OK), ((0, more, -most, np.nan), SAMPLE), ((0, most, -np.finfo("f4").max, np.nan), SAMPLE),
                           ((0, np.nan, 1, 2), OK), ((0, -np.inf, 1, 2), SAMPLE if storage else OK)]:
             assert create(library, samples=library.keep(np.array(z, "f4")), nx=2, ny=2, storage=storage) == status, (z, storage)
-    info = library.describe(library.field([[0, -np.inf], [1, 2]]))
-    assert (info["holes"], info["low"], info["high"]) == (1, 0, 2)
+    for odd in -np.inf, np.inf:
+        field = library.field([[0, odd], [1, 2]])
+        info = library.describe(field)
+        assert (info["holes"], info["low"], info["high"]) == (1, 0, 2)
+        assert np.isnan(library.peek(library.number("cw_field_row", field, 0), "f4", 2)[1])
     info = library.describe(library.field([[np.nan] * 2] * 2))
     assert info["holes"] == 4 and info["low"] > info["high"]
     z = np.zeros((140, 200))  # in every tile of a field, which are summed up by rows of tiles

@@ -157,7 +157,6 @@ static bool word_is_right(const word_row *row, size_t number_of_word, const word
 }
 
 static void test_words(void **state) {
-    (void)state;
     static _Alignas(16) float memory[MEMORY + 4];
     static word_in in;
     random_state r = {42};

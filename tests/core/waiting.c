@@ -90,7 +90,6 @@ static void run(bool asking_is_counted, uint32_t wait) {
 }
 
 static void none_starves(void **state) {
-    (void)state;
     for (uint32_t k = 0; k < 4; k++) run(k & 1, k >> 1);
 }
 
@@ -106,7 +105,6 @@ typedef struct call {
 
 static bool stay_inside(void *context, double done) {
     call *c = context;
-    (void)done;
     atomic_store(&c->inside, true);
     while (atomic_load(&c->stays)) sched_yield();
     return true;
@@ -170,7 +168,6 @@ static int ask_and_update(cw_status expected) {
 
 /* The update waits for the query inside, the newcomer for the update. */
 static void newcomers_wait(void **state) {
-    (void)state;
     field = field_of(heights, SIDE, SIDE);
     call first = {0}, update_call = {0}, newcomer = {0};
     go_inside(&first);
@@ -222,7 +219,6 @@ static int go_on(cw_status expected) {
 
 /* Queries of the parent's other threads do not run in a child, and keep no update out. Those of the child's own do. */
 static void fields_outlive_a_fork(void **state) {
-    (void)state;
 #ifdef __SANITIZE_THREAD__
     skip(); /* its runtime does not go on in the child of a process with threads */
 #endif
@@ -243,7 +239,6 @@ typedef struct meeting {
 /* From within a query: it runs. */
 static bool update_meanwhile(void *context, double done) {
     meeting *m = context;
-    (void)done;
     m->status = cw_field_update(m->field, NULL, &m->update);
     m->tried++;
     return true;
@@ -270,7 +265,6 @@ static void ask_meanwhile(void *context, cw_task_fn *task, void *argument, uint3
 }
 
 static void who_comes_second_is_turned_away(void **state) {
-    (void)state;
     enum { LARGE = 300 }; /* so that the update is shared */
     static float z[LARGE * LARGE];
     cw_field *f = field_of(z, LARGE, LARGE);
@@ -297,7 +291,6 @@ static void who_comes_second_is_turned_away(void **state) {
 }
 
 static int set_up(void **state) {
-    (void)state;
     for (size_t k = 0; k < SIDE * SIDE; k++) heights[k] = 1;
     return 0;
 }

@@ -88,7 +88,6 @@ static cw_status update_by(const cw_run *run, cw_rectangle at, uint32_t wait) {
 static cw_status update(const cw_run *run) { return update_by(run, (cw_rectangle){3, 5, desc.nx / 2, desc.ny / 2}, 0); }
 static cw_status update_waiting(const cw_run *run) { return update_by(run, (cw_rectangle){3, 5, 2, 1}, 1); }
 static cw_status move_field(const cw_run *run) {
-    (void)run;
     return cw_field_move(field, (const double[3][4]){{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, 1);
 }
 static cw_status be_refused(const cw_run *run) {

@@ -13,6 +13,9 @@
 
 #include <cmocka.h>
 
+#pragma GCC diagnostic ignored                                                                                         \
+    "-Wunused-parameter" /* tests, rows and what is called back have one form, and need not use all of it */
+
 /* Ends the test unless truth holds; the rest is printf's. */
 __attribute__((format(printf, 2, 3))) static inline void check(bool truth, const char *format, ...) {
     if (truth) return;
@@ -24,13 +27,16 @@ __attribute__((format(printf, 2, 3))) static inline void check(bool truth, const
     fail();
 }
 
+/* The number in an environment variable, but no less than this. */
+static inline size_t test_number(const char *variable, size_t least) {
+    const char *text = getenv(variable);
+    const size_t number = text ? strtoul(text, NULL, 10) : least;
+    return number > least ? number : least;
+}
+
 /* How often tests with random parts repeat themselves: once, or as often as the environment variable CELLWALK_TEST_ROUNDS says
  * for, each time with other numbers. */
-static inline size_t test_rounds(void) {
-    const char *text = getenv("CELLWALK_TEST_ROUNDS");
-    const long rounds = text ? strtol(text, NULL, 10) : 1;
-    return rounds > 1 ? (size_t)rounds : 1;
-}
+static inline size_t test_rounds(void) { return test_number("CELLWALK_TEST_ROUNDS", 1); }
 
 /* Slow builds, such as sanitized ones, define it to a larger number (register.cmake). */
 #ifndef TEST_SCALE_DOWN
@@ -40,13 +46,11 @@ static inline size_t test_rounds(void) {
 /* What tests divide their rays by where machine or build are slow, or where they have run in full elsewhere: that, times the
  * environment variable CELLWALK_TEST_DIVIDE. */
 static inline size_t test_divisor(void) {
-    const char *text = getenv("CELLWALK_TEST_DIVIDE");
-    const long by = text ? strtol(text, NULL, 10) : 1;
-    size_t slow = TEST_SCALE_DOWN;
+    size_t slow = TEST_SCALE_DOWN * test_number("CELLWALK_TEST_DIVIDE", 1);
 #ifdef CELLWALK_EMULATES_AVX512 /* where the machine has it, emulated kernels only have to show that emulation works */
     if (__builtin_cpu_supports("avx512f")) slow *= 8;
 #endif
-    return by > 1 ? slow * (size_t)by : slow;
+    return slow;
 }
 
 /* That share of n, but no fewer than least, with which a test still means something. */
@@ -56,10 +60,7 @@ static inline size_t test_share(size_t n, size_t least) {
 }
 
 /* CELLWALK_TEST_TURN: a number, which .ci/run takes from the commit, so that in time each case is taken. */
-static inline size_t test_turn(void) {
-    const char *text = getenv("CELLWALK_TEST_TURN");
-    return text ? strtoul(text, NULL, 10) : 0;
-}
+static inline size_t test_turn(void) { return test_number("CELLWALK_TEST_TURN", 0); }
 
 /* Of things that are too few to be divided, and unlike each other, one in so many is taken, but no fewer than one in most: whether case k is. */
 static inline bool test_takes(size_t k, size_t most) {

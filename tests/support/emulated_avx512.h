@@ -12,7 +12,6 @@ typedef float lanes_ps __attribute__((vector_size(64)));
 typedef double lanes_pd __attribute__((vector_size(64)));
 typedef int32_t lanes_i32 __attribute__((vector_size(64)));
 typedef float half_ps __attribute__((vector_size(32)));
-typedef int32_t half_i32 __attribute__((vector_size(32)));
 
 #define _mm512_cvtepi32_ps(a) ((__m512) __builtin_convertvector((lanes_i32)(a), lanes_ps))
 #define _mm512_cvtps_pd(a)    ((__m512d) __builtin_convertvector((half_ps)(a), lanes_pd))
@@ -27,11 +26,9 @@ static inline __m512i emulated_cvttps_epi32(__m512 a) {
 }
 #define _mm512_cvttps_epi32 emulated_cvttps_epi32
 
-/* SIMDe's keep the sign of -0 and of NaN. */
+/* SIMDe's keeps the sign of -0 and of NaN. */
 #undef _mm512_abs_ps
-#undef _mm512_abs_pd
 #define _mm512_abs_ps(a) _mm512_castsi512_ps(_mm512_and_si512(_mm512_castps_si512(a), _mm512_set1_epi32(INT32_MAX)))
-#define _mm512_abs_pd(a) _mm512_castsi512_pd(_mm512_and_si512(_mm512_castpd_si512(a), _mm512_set1_epi64(INT64_MAX)))
 
 static inline __m512 emulated_mask_gather(__m512 other, __mmask16 m, __m512i index, const float *base) {
     lanes_ps to = (lanes_ps)other;
@@ -44,32 +41,12 @@ static inline __m512 emulated_mask_gather(__m512 other, __mmask16 m, __m512i ind
 #define _mm512_i32gather_ps(index, base, scale)                emulated_mask_gather(_mm512_setzero_ps(), 0xffff, index, base)
 #define _mm512_mask_i32gather_ps(other, m, index, base, scale) emulated_mask_gather(other, m, index, base)
 
-static inline __m512d emulated_i32gather_pd(__m256i index, const void *base) {
-    lanes_pd to;
-    for (int k = 0; k < 8; k++) {
-        double one;
-        __builtin_memcpy(&one, (const char *)base + 4 * (ptrdiff_t)((half_i32)index)[k], sizeof one);
-        to[k] = one;
-    }
-    return (__m512d)to;
-}
-#undef _mm512_i32gather_pd
-#define _mm512_i32gather_pd(index, base, scale) emulated_i32gather_pd(index, base)
-
 static inline __m256 emulated_extractf32x8(__m512 a, int half) {
     half_ps to;
     for (int k = 0; k < 8; k++) to[k] = ((lanes_ps)a)[8 * half + k];
     return (__m256)to;
 }
 #define _mm512_extractf32x8_ps emulated_extractf32x8
-
-/* Quarters: two of a, then two of b. */
-static inline __m512 emulated_shuffle_f32x4(__m512 a, __m512 b, int which) {
-    lanes_ps to;
-    for (int k = 0; k < 16; k++) to[k] = ((lanes_ps)(k < 8 ? a : b))[4 * (which >> (k / 4 * 2) & 3) + k % 4];
-    return (__m512)to;
-}
-#define _mm512_shuffle_f32x4 emulated_shuffle_f32x4
 
 static inline __m512d emulated_shuffle_pd(__m512d a, __m512d b, int which) {
     lanes_pd to;

@@ -48,7 +48,7 @@ void field_make(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t
 /* Rolling land with ripples, and mountains far away, so that blocks before them are passed over. */
 void field_make_land(test_field *f, size_t nx, size_t ny);
 
-/* The library's field over f's samples, which are borrowed, or copied if some are infinite; with the structures of every kernel built. */
+/* The library's field over f's samples, which are borrowed, with the structures of every kernel built. */
 cw_field *field_open(const test_field *f);
 
 /* To stdout, each sample as a hexadecimal float; a field of more than 64 samples by its name alone. */

@@ -4,7 +4,7 @@
  * OFFSET both. OFFSET is how far it begins behind a multiple of 64; nothing may be written beside it. */
 
 #include "cellwalk_expert.h"
-#include "fp_register.h"
+#include "fpenv.h"
 #include "pyramid.h"
 #include "words.h"
 
@@ -31,8 +31,27 @@ typedef struct value {
 #define U(k)  (uint32_t) v[k].n
 #define AT(k) *(const cw_rectangle *)v[k].p
 
-static size_t mode =
-    FP_MODES; /* of the floating-point environment, in which functions are called; FP_MODES and above: as it is */
+/* Of the floating-point environment in which functions are called; FP_MODES and above: as it is. 0 where fpenv.h has no numbers for it. */
+#if defined(__SSE__) || defined(__aarch64__)
+enum { FP_MODES = 16 };
+#else
+enum { FP_MODES = 0 };
+#endif
+static size_t mode = FP_MODES;
+
+/* Exceptions are masked, and one is marked as raised. Bit 0 flushes denormal results to zero, bit 1 takes denormal operands for zero, the rest
+ * chooses the rounding. On ARM bit 0 is for operands and results both, and bit 1 gives every NaN the same bits. */
+static fpenv environment(fpenv now) {
+#if defined(__SSE__)
+    enum { MASKED = 0x1f80, INEXACT = 0x20, FTZ = 0x8000, DAZ = 0x40, ROUNDING = 0x2000 };
+    if (mode < FP_MODES)
+        now = (unsigned)(MASKED | INEXACT | (mode & 1 ? FTZ : 0) | (mode & 2 ? DAZ : 0) | mode / 4 * ROUNDING);
+#elif defined(__aarch64__)
+    enum { FZ = 1 << 24, DN = 1 << 25, ROUNDING = 1 << 22, INEXACT = 0x10 };
+    if (mode < FP_MODES) now = (fpenv){(mode & 1 ? FZ : 0) | (mode & 2 ? DN : 0) | mode / 4 * ROUNDING, INEXACT};
+#endif
+    return now;
+}
 
 static void status(cw_status s) { fprintf(answer, "%d %s", s, cw_last_error()); }
 static void number(size_t n) { fprintf(answer, "%zu", n); }
@@ -244,8 +263,8 @@ static int obey(char **words, io_error *e) {
     stop_unless(in && out, "in or out");
     for (size_t k = 0; k < WORDS && words[1 + k] && *words[1 + k]; k++) v[k] = value_of(words[1 + k], in);
     int how = OTHER;
-    const uint64_t before = fp_register(), wanted = mode < FP_MODES ? fp_register_mode((unsigned)mode) : before;
-    fp_register_set(wanted);
+    const fpenv before = fpenv_enter(), wanted = environment(before);
+    fpenv_leave(wanted);
 #define X(NAME, ...)                                                                                                   \
     if (strcmp(words[0], #NAME) == 0) {                                                                                \
         __VA_ARGS__;                                                                                                   \
@@ -253,9 +272,10 @@ static int obey(char **words, io_error *e) {
     }
     FUNCTIONS
 #undef X
-    if (mode < FP_MODES && fp_register() != wanted)
+    const fpenv after = fpenv_enter();
+    fpenv_leave(before);
+    if (mode < FP_MODES && memcmp(&after, &wanted, sizeof after) != 0)
         how = io_fail(e, "%s changes the floating-point environment", words[0]);
-    fp_register_set(before);
     for (size_t k = 0; k < WORDS; k++)
         if (!let_go(&v[k], out)) how = io_fail(e, "%s writes beside its argument %zu", words[0], k);
     stop_unless(fclose(in) == 0 && fclose(out) == 0, "in or out");

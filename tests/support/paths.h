@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every way to an answer: each kernel that this machine runs with each leaf test that it takes. */
+/* Every way to an answer: each kernel that this machine runs with each leaf test that it takes. Programs that try all of them are tables of
+ * tests. */
 #ifndef CELLWALK_TESTS_PATHS_H
 #define CELLWALK_TESTS_PATHS_H
 
 #include "cellwalk_expert.h"
+#include "check.h"
 
 typedef struct path {
     cw_run query;
@@ -14,7 +16,12 @@ typedef struct path {
 
 enum { PATHS_MAX = 64 };
 
-/* How many there are; the "cell" comes before the other strict ones. */
-size_t paths_find(path paths[PATHS_MAX]);
+/* The "cell" comes before the other strict ones. */
+extern path paths[PATHS_MAX];
+extern size_t path_count;
+
+/* Finds all paths and runs the n rows whose names match one of the program's arguments, which are patterns as of a shell; all without
+ * arguments. */
+int paths_run(const char *name, struct CMUnitTest *rows, size_t n, int argc, char **argv);
 
 #endif

@@ -96,7 +96,7 @@ endif()
 #                   NAME_avx512_emulated (emulated.cmake) with one ray in that many where it makes rays by the number; 0: none
 #   TWIN            the twin has the label emulated; other twins have the label long. The target of that name builds it, all does
 #                   not, and the preset of that name runs it
-#   PARTS "test n pattern…"…   tests of these names run the program's rows that match the patterns (rows.h) and take n seconds; there
+#   PARTS "test n pattern…"…   tests of these names run the program's rows that match the patterns (paths.h) and take n seconds; there
 #                   is no test NAME
 #   SECONDS n       as above
 function(cellwalk_test folder name)
