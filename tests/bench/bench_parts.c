@@ -19,7 +19,6 @@ static uint64_t sum_of(const void *bytes, size_t size) {
 }
 
 static void fields_are_what_they_were(void **state) {
-    (void)state;
     static const struct {
         const char *name;
         size_t side;
@@ -47,7 +46,6 @@ static void fields_are_what_they_were(void **state) {
 }
 
 static void rays_are_what_they_were(void **state) {
-    (void)state;
     enum { RAYS = 8192 };
     static cw_ray rays[RAYS];
     static const uint64_t known[WORKLOAD_CLASS_COUNT + 1] = {
@@ -75,7 +73,6 @@ static void rays_are_what_they_were(void **state) {
 /* The chance that fewer than k + 1 of n fair coins show heads, twice, is what an interval without the k outermost samples
  * at either end misses: at n = 10, k = 1 that is 2 (1 + 10) / 1024 = 0.0215, at k = 2 it is 0.109. */
 static void intervals(void **state) {
-    (void)state;
     static const struct {
         size_t n;
         double confidence;
@@ -128,7 +125,6 @@ static void interleave_given(given *times, size_t n, double seconds) {
 }
 
 static void ratios_are_of_rounds(void **state) {
-    (void)state;
     given times[4] = {{2, 2, NULL, 0, 0}, {5, 5, "a", 0, 0}, {3, 3, "a", 0, 0}, {4, 4, NULL, 0, 0}};
     interleave_given(times, 4, 1e6);
     for (size_t k = 0; k < 4; k++) {
@@ -143,7 +139,6 @@ static void ratios_are_of_rounds(void **state) {
 }
 
 static void clearly_slower_ones_of_a_group_end(void **state) {
-    (void)state;
     enum { FAST = 1, SLOW };
     given times[5] = {{2, 1e-9, NULL, 0, 0},
                       {1, 1e-9, "a", 0, 0},
@@ -173,7 +168,6 @@ static void closest_finds(const contender *self, const cw_ray *rays, size_t n, c
 }
 
 static void agreement_of_hits(void **state) {
-    (void)state;
     const cw_hit nothing = {.t = INFINITY, .i = -1, .j = -1}, rounded = {.t = nextafterf(1, 2), .u = 0.25f, .v = 0.25f},
                  tie = {.t = nextafterf(1, 2), .u = 0.25f, .v = 0.25f, .triangle = CW_TRIANGLE_B},
                  apart = {.t = 1.001f, .u = 0.25f, .v = 0.25f}, edge = {.t = 1, .u = 0.25f, .v = 1e-7f},

@@ -16,7 +16,6 @@ enum { SIDE = 70, THREADS = 5 };
 static test_field land;
 
 static int set_up(void **state) {
-    (void)state;
     field_make_land(&land, SIDE, SIDE);
     return 0;
 }
@@ -45,7 +44,6 @@ static cw_status build(const void *context) {
 }
 
 static void run_one(void *context, cw_task_fn *task, void *argument, uint32_t count) {
-    (void)context;
     for (unsigned k = 0; k < count; k++) task(argument, k);
 }
 
@@ -80,7 +78,6 @@ static unsigned long check_every_fault(const char *name, act *what, const void *
 }
 
 static void what_is_made_is_made_whole(void **state) {
-    (void)state;
     unsigned long injections =
         check_every_fault("pool", make_pool, NULL) + check_every_fault("pool on tasks", make_pool, &land);
     calls_begin(&land, NULL);
@@ -102,7 +99,6 @@ static bool go_on(void *context, double done) {
 }
 
 static void queries_ask_for_nothing(void **state) {
-    (void)state;
     cw_field *field = calls_begin(&land, NULL);
     cw_pool *pool;
     check_status(cw_pool_create(2, &pool), CW_OK);

@@ -112,7 +112,6 @@ static void compare(const test_field *f, const cw_ray *given, const oracle_truth
 }
 
 static void test_against_every_triangle(void **state) {
-    (void)state;
     static const field_size sizes[] = {{2, 2}, {4, 3}, {2, 5}};
     static test_field f;
     random_state r = {99};
@@ -142,7 +141,6 @@ static void test_against_every_triangle(void **state) {
 /* Places of which doubles know well how far they are from a triangle and its plane: rational numbers must agree, with
  * bounds a little above and a little below. */
 static void test_uncertain_hits_are_decided(void **state) {
-    (void)state;
     static test_field f;
     random_state r = {7};
     size_t heights = 0, places = 0;
@@ -176,7 +174,6 @@ static void test_uncertain_hits_are_decided(void **state) {
 
 /* Right hits are right; taken away they are leaks if the ray passes, and moved by much they are phantoms. */
 static void test_wrong_answers_are_seen(void **state) {
-    (void)state;
     static test_field f;
     random_state r = {8};
     size_t hits = 0, leaks = 0;

@@ -205,7 +205,6 @@ static bool watch(void *context, double done) {
     return done < seen[1];
 }
 static bool lower_limit(void *context, double done) {
-    (void)context, (void)done;
     cw_isa_limit(CW_ISA_SCALAR);
     return true;
 }

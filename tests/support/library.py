@@ -180,7 +180,6 @@ class Library(Program):
     def occluded(self, field, rays, run=None):
         return self.of_each("cw_occluded", field, rays, "u1", run=run)
 
-
     def peek(self, address, kind, count=1):
         return self.call("peek", int(address), Room(kind, count))[1]
 

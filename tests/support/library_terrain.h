@@ -27,20 +27,15 @@ static void look_at_place(const terrain *t, const double *d, double *to) {
     to[7] = cw_terrain_height(t, d[0], d[1]);
 }
 static void look_at_sun(const terrain *t, const double *d, double *to) { /* seconds, longitude, latitude */
-    (void)t;
     const sun_position p = cw_sun_at(d[0], d[1], d[2]);
     memcpy(to, &p, sizeof p);
 }
 static void look_at_sky(const terrain *t, const double *d, double *to) { /* linke, distance, altitude, height */
-    (void)t;
     to[0] = cw_clear_sky_air_mass(d[2], d[3]);
     to[1] = cw_clear_sky_direct(d[0], d[1], d[2], d[3]);
     to[2] = cw_clear_sky_diffuse(d[0], d[1], d[2]);
 }
-static void look_up(const terrain *t, const double *d, double *to) {
-    (void)t;
-    *to = (double)cw_horizon_degrees((float)*d);
-}
+static void look_up(const terrain *t, const double *d, double *to) { *to = (double)cw_horizon_degrees((float)*d); }
 /* Eye, curvature, place of the target, its height, more over that: the first block, whether it is seen, what is needed, the steepest
  * rise. */
 static void look_along(const terrain *t, const double *d, double *to) {
@@ -60,7 +55,6 @@ static void look_along(const terrain *t, const double *d, double *to) {
 static void look_at_skyline(const terrain *t, const double *d, double *to) {
     static skyline line;
     static uint32_t at, before;
-    (void)t;
     if (d[0] == 0) {
         cw_skyline_free(&line);
         stop_unless(cw_skyline_init(&line, -1, 1), "skyline");

@@ -12,6 +12,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#pragma GCC diagnostic ignored "-Wunused-parameter" /* what is called back need not use all that it gets */
+
 static FILE *answer; /* that is being written */
 static bool user_changed;
 
@@ -44,10 +46,7 @@ static inline size_t option(const char *words, const char *key) {
     return at ? whole(at + strlen(key)) : 0;
 }
 
-static inline void warn(void *context, const char *text) {
-    (void)context;
-    fprintf(answer, "warning=%s\n", text);
-}
+static inline void warn(void *context, const char *text) { fprintf(answer, "warning=%s\n", text); }
 
 enum { FAILED, DONE, OTHER }; /* OTHER: the command is another function's */
 

@@ -71,9 +71,5 @@ static const word words[] = {
 };
 #undef WORD
 
-#define WORDS_PASTE(suffix)   cw_words_##suffix
-#define WORDS_ROW(suffix)     WORDS_PASTE(suffix)
-#define WORDS_TEXT_OF(suffix) #suffix
-#define WORDS_TEXT(suffix)    WORDS_TEXT_OF(suffix)
-extern const word_row WORDS_ROW(WORDS_SUFFIX);
-const word_row WORDS_ROW(WORDS_SUFFIX) = {WORDS_TEXT(WORDS_SUFFIX), LANES, sizeof words / sizeof words[0], words};
+extern const word_row WORDS_ROW;
+const word_row WORDS_ROW = {WORDS_SUFFIX, LANES, sizeof words / sizeof words[0], words};
