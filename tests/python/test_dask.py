@@ -91,7 +91,7 @@ def test_shadow_reaches_over_chunks(file):
     reach = blocks_of(file).reach
     window = reach.matters(cwd._Window(0, 0, 64, 64), 0, (low, high, float(high.max())), [{"azimuth": 90, "altitude": 30}])
     assert window.columns < COLUMNS and window.row == 0 and window.rows < 80
-    near = reach.matters(cwd._Window(128, 64, 64, 64), 700)
+    near = reach.matters(cwd._Window(64, 128, 64, 64), 700)
     assert near.rows * near.columns < ROWS * COLUMNS / 2 and near.row < 128 and near.row + near.rows > 192
     for chunks in (-1, 100, (301, 1), (37, 260)):  # blocks are those of the raster, however it is cut
         same(blocks_of(file, chunks).block_ranges(), (low, high))
@@ -101,13 +101,13 @@ def test_blocks_out_of_reach_are_not_looked_at():
     """The highest sample limits which blocks are looked at, and changes no window; too low a one does."""
     random = np.random.default_rng(3)
     place = ((10.0, 1, 0, 6e5), (0.5, -12, 0, 5e6), (0, 0, 1, 0))
-    reach = cwd._Reach(cwd._Site(40 * 256 + 9, 50 * 256 - 3, place, True, read_crs(None)._replace(unit=1.0), None, b""))
+    reach = cwd._Reach(cwd.Source(None, (40 * 256 + 9, 50 * 256 - 3), place, True, read_crs(None)._replace(unit=1.0), None))
     low = random.uniform(0, 300, (41, 50)).astype(np.float32)
     high = low + random.uniform(0, 900, low.shape).astype(np.float32) * (random.random(low.shape) < 0.2)
     differ = 0
     for _ in range(300):
         azimuth, altitude, disc = random.uniform(0, 360), random.choice([-2, 3, 10, 25, 60, 90]), random.choice([0, 1])
-        window = cwd._Window(int(random.integers(0, 9000)), int(random.integers(0, 9000)), 512, 700)
+        window = cwd._Window(int(random.integers(0, 9000)), int(random.integers(0, 9000)), 700, 512)
         light = {"azimuth": azimuth, "altitude": altitude, "radius": disc}
         every, some, none = (reach.matters(window, 0, (low, high, top), [light]) for top in (1e30, float(high.max()), 310))
         assert every == some

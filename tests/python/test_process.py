@@ -6,6 +6,7 @@ import os
 import pickle
 import subprocess
 import sys
+import weakref
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -91,6 +92,36 @@ assert os.wait()[1] == 0
 
 def test_pools_that_nobody_uses_end():
     subprocess.run([sys.executable, "-c", THREADS], check=True)
+
+
+READ = """
+import os, signal, threading, time, numpy as np, cellwalk as cw
+np.save("z.npy", np.zeros((20, 20), "float32"))
+inside = threading.Event()
+def read():
+    with cw._core.raster_door:
+        inside.set()
+        time.sleep(0.3)
+threading.Thread(target=read).start()
+inside.wait()
+if os.fork() == 0:
+    signal.alarm(20)
+    cw.open("z.npy")
+    os._exit(0)
+assert os.wait()[1] == 0
+"""
+
+
+def test_fork_while_a_thread_reads(tmp_path):
+    """The reader's lock would stay locked in the child."""
+    subprocess.run([sys.executable, "-c", READ], check=True, cwd=tmp_path)
+
+
+def test_a_copy_lets_go_of_the_samples():
+    z = Z.copy()
+    given, field = weakref.ref(z), cw.Field(z, copy=True)
+    del z
+    assert given() is None and field.z.shape == Z.shape
 
 
 CUT = """

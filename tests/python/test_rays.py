@@ -11,6 +11,7 @@ from conftest import random_rays, rough, same, same_hits, share
 FIELD = cw.Field(rough())
 MAP = np.array([[2, 0.5, 0, 100], [0.25, -3, 0, 500], [0, 0, 1.5, 7]])
 MAPPED = cw.Field(rough(), transform=MAP)
+HITS = MAPPED.closest(random_rays(MAPPED, 50)).records
 
 
 def parts(rays):
@@ -131,6 +132,13 @@ def test_points_and_normals():
         n = hit.normals(smooth)
         assert np.abs(np.linalg.norm(n, axis=-1) - 1).max() < 1e-14 and (n[:, 2] > 0).all()
     assert not (hit.normals(True) == hit.normals(False)).all()
+
+
+@pytest.mark.parametrize("records", [np.zeros(3), HITS.astype(HITS.dtype.newbyteorder()), HITS[["i", "j"]].copy()], ids=["floats", "swapped", "part"])
+def test_other_records_are_refused(records):
+    """As hits they would be read beyond their end."""
+    with pytest.raises(TypeError, match="^records: dtype .*, expected that of"):
+        cw.Hits(records, MAPPED).points()
 
 
 def test_at_is_the_surface():

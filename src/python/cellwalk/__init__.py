@@ -36,9 +36,9 @@ number of threads, any CPU, and the program `cellwalk`.
 """
 
 from ._core import version as __version__
-from ._field import Difference, Field, kernels, open
+from ._field import Difference, Field, open
 from ._light import SunDays, sun
-from ._rays import Hits
+from ._rays import Hits, kernels
 from ._sight import LineOfSight, PlaceHorizon, Profile, Sites
 from . import _xarray  # noqa: F401  (registers DataArray.cellwalk if xarray is loaded later or already)
 

@@ -5,23 +5,20 @@ argument, shape and value."""
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple, Optional
+from typing import Any, Optional
 
 import numpy as np
 
 from ._core import warn
-from ._raster import WGS84, Crs, read_crs
+from ._raster import WGS84, Crs, Source, read_crs
 
 # ---- maps -----------------------------------------------------------------------------------------------------------------
-
-IDENTITY = np.eye(3, 4)
-
 
 def map_of_transform(transform) -> np.ndarray:
     """Samples (i, j, z) to the map, 3 x 4. A transform of rasterio's kind speaks of the corners of pixels, and a sample stands in
     its pixel's middle."""
     if transform is None:
-        return IDENTITY.copy()
+        return np.eye(3, 4)
     given = [getattr(transform, name) for name in "abcdef"] if all(hasattr(transform, name) for name in "abcdef") else transform
     try:
         numbers = np.array(given, np.float64)
@@ -67,23 +64,11 @@ def line_of_coordinates(values, name: str) -> tuple[float, float]:
 
 # ---- samples --------------------------------------------------------------------------------------------------------------
 
-
-class Source(NamedTuple):
-    """What a field is made of, whatever it came from."""
-    samples: Any  # float32, contiguous; the caller's own memory where that is possible. None: not read yet
-    map: np.ndarray
-    placed: bool
-    crs: Crs
-    like: Any  # the DataArray that results look like, or None
-    nodata: Optional[float]
-
-
 def samples_of(values, nodata=None, name: str = "z", least: int = 2) -> np.ndarray:
     """Contiguous native float32 with NaN at holes, at least so many rows and columns. Copied only if it is not that already."""
-    mask = None
+    holes = None
     if isinstance(values, np.ma.MaskedArray):
-        mask = np.ma.getmaskarray(values)
-        values = values.data
+        holes, values = np.ma.getmaskarray(values), values.data
     array = np.asarray(values)
     if array.ndim != 2:
         raise ValueError(f"{name}: shape {array.shape}, expected (rows, columns)")
@@ -91,13 +76,11 @@ def samples_of(values, nodata=None, name: str = "z", least: int = 2) -> np.ndarr
         raise ValueError(f"{name}: shape {array.shape}, expected at least 2 rows and 2 columns")
     if array.dtype.kind not in "fiub" or array.dtype.itemsize > 8 and array.dtype.kind != "f":
         raise TypeError(f"{name}: dtype {array.dtype}, expected real numbers")
-    holes = mask
     if nodata is not None and not np.isnan(nodata):
         # Compared as the samples are stored: a float32 file's 3.4e38 is not the double that a header spells.
         with np.errstate(over="ignore"):
             equal = array == (array.dtype.type(nodata) if array.dtype.kind == "f" else nodata)
-        if np.any(equal):
-            holes = equal if holes is None else holes | equal
+        holes = equal if holes is None else holes | equal
     with np.errstate(over="ignore", invalid="ignore"):
         samples = np.require(array, np.float32, ["C", "A"])
     if array.dtype.kind == "f" and array.dtype.itemsize > 4:
@@ -136,18 +119,20 @@ def describe_dataarray(z, transform=None, crs=None, nodata=None, zscale=None) ->
         first_y, step_y = line_of_coordinates(like[y].values, f"z.{y}")
         affine = np.array([[step_x, 0, 0, first_x], [0, step_y, 0, first_y], [0, 0, 1, 0]], np.float64)
     else:
-        affine, placed = IDENTITY.copy(), False
+        affine, placed = map_of_transform(None), False
     for place in (like.attrs, like.encoding):
         for key in ("_FillValue", "nodata", "missing_value"):
             if nodata is None and np.ndim(place.get(key)) == 0 and place.get(key) is not None:
                 nodata = float(place[key])
     if crs is None:
-        crs = _crs_of_dataarray(like)
+        mapping = like.coords.get(like.attrs.get("grid_mapping", like.encoding.get("grid_mapping", "spatial_ref")))
+        named = {} if mapping is None else mapping.attrs
+        crs = named.get("crs_wkt") or named.get("spatial_ref") or like.attrs.get("crs")
     if crs is None and placed and str(x).lower() in ("lon", "longitude"):
         crs = WGS84
     known = read_crs(crs)
     _scale_heights(affine, zscale, like.attrs.get("units"), known, placed)
-    return Source(None, affine, placed, known, like, nodata)
+    return Source(None, like.shape, affine, placed, known, nodata, like)
 
 
 def coarser_like(like, affine, samples, factor):
@@ -175,16 +160,6 @@ def dress(like, data, name: str, attrs: dict[str, Any], lead: Optional[tuple[str
     out = like.copy(deep=False, data=data)
     out.name, out.attrs, out.encoding = name, {**attrs, **keep}, {}
     return out
-
-
-def _crs_of_dataarray(z):
-    mapping = z.attrs.get("grid_mapping", z.encoding.get("grid_mapping", "spatial_ref"))
-    if mapping in z.coords:
-        attributes = z.coords[mapping].attrs
-        for key in ("crs_wkt", "spatial_ref"):
-            if attributes.get(key):
-                return attributes[key]
-    return z.attrs.get("crs")
 
 
 _METRES = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "ft": 0.3048, "foot": 0.3048, "feet": 0.3048,
@@ -231,8 +206,7 @@ def warn_of_heights(samples: np.ndarray, low: float, high: float, nodata: Option
 def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
     band = 1 if band is None else band
     array = z.read(band, masked=True)
-    if nodata is None:
-        nodata = z.nodata
+    nodata = z.nodata if nodata is None else nodata
     scale, offset = (getattr(z, "scales", None) or (1,) * band)[band - 1], (getattr(z, "offsets", None) or (0,) * band)[band - 1]
     if (scale, offset) != (1, 0):
         array = np.ma.MaskedArray(offset + scale * array.data.astype(np.float64), np.ma.getmaskarray(array))
@@ -242,7 +216,7 @@ def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
     affine = map_of_transform(given if placed else None)
     units = getattr(z, "units", None)
     _scale_heights(affine, zscale, units[band - 1] if units else None, known, placed)
-    return Source(samples_of(array, None), affine, placed, known, None, nodata)
+    return Source(samples_of(array), array.shape, affine, placed, known, nodata)
 
 
 def read_source(z, transform, crs, nodata, zscale, band) -> Source:
@@ -255,10 +229,10 @@ def read_source(z, transform, crs, nodata, zscale, band) -> Source:
         raise TypeError(f"z: {z!r} is a path; use cellwalk.open")
     if band is not None:
         raise ValueError(f"band: {band!r}, but z is an array and has none")
-    known = read_crs(crs)
-    affine = map_of_transform(transform)
-    _scale_heights(affine, zscale, None, known, transform is not None)
-    return Source(samples_of(z, nodata), affine, transform is not None, known, None, nodata)
+    known, affine, placed = read_crs(crs), map_of_transform(transform), transform is not None
+    _scale_heights(affine, zscale, None, known, placed)
+    samples = samples_of(z, nodata)
+    return Source(samples, samples.shape, affine, placed, known, nodata)
 
 
 # ---- numbers --------------------------------------------------------------------------------------------------------------
@@ -281,6 +255,14 @@ def finite(value, name: str, low: float = -math.inf, high: float = math.inf) -> 
         limits = f" from {low:g} to {high:g}" if high < math.inf else f" from {low:g} on" if low > -math.inf else ""
         raise ValueError(f"{name}: {value!r}, expected a finite number{limits}")
     return number
+
+
+def common_shape(named: dict[str, tuple], shapes=None) -> tuple[int, ...]:
+    """To which all broadcast: those, or the shapes in their place, which messages do not tell."""
+    try:
+        return np.broadcast_shapes(*(named.values() if shapes is None else shapes))
+    except ValueError:
+        raise ValueError(f"shapes do not broadcast: {', '.join(f'{name} {shape}' for name, shape in named.items())}") from None
 
 
 def count(value, name: str, low: int, high: int) -> int:

@@ -49,6 +49,8 @@ def check(status: int, name: str) -> None:
 
 # GDAL's module is for one thread at a time. The same thread may come back by a progress callable or where a GeoTIFF is forgotten.
 raster_door = threading.RLock()
+# A fork waits for it. Else its child, which lacks the thread within, would wait for ever.
+os.register_at_fork(before=raster_door.acquire, after_in_parent=raster_door.release, after_in_child=raster_door.release)
 
 
 def do_io(function, *arguments) -> str:
@@ -153,29 +155,26 @@ class Work:
 
 
 class Core:
-    """A height field over samples that stay where they are, or without them its map.
+    """The height field over a Source's samples, which stay where they are, or without work its map."""
 
-    whole: columns and rows of the raster that the samples are a window of, column and row of the window, and the raster's map."""
-
-    def __init__(self, samples: Optional[np.ndarray], shape: tuple[int, int], affine: np.ndarray, placed: bool, crs, work: Work | None = None,
-                 whole: Optional[tuple] = None) -> None:
-        if max(shape) > lib.CW_SIDE_MAX:
+    def __init__(self, source, work: Work | None = None) -> None:
+        if max(source.shape) > lib.CW_SIDE_MAX:
             raise ValueError("samples: too many")
-        self.shape, self.users, self.process = shape, 0, os.getpid()
-        self._placed, self._crs, self.bounds, self._scale, self._map = placed, crs, None, None, ffi.new("double[3][4]", affine.tolist())
-        self._samples = NULL if samples is None else ffi.from_buffer("float[]", samples)
+        self.shape, self.affine, self._placed, self._crs = source.shape, np.array(source.map), source.placed, source.crs
+        self.users, self.process, self.bounds, self.scaled, self._scale = 0, os.getpid(), None, False, None
+        self._samples = NULL if work is None else ffi.from_buffer("float[]", source.samples)
+        self._map = ffi.new("double[3][4]", self.affine.tolist())
         self._field = owner("cw_field **", lib.drop_field)
         if work is not None:
-            desc = {"samples": self._samples, "nx": shape[1], "ny": shape[0], "map": self._map, "storage": lib.CW_BORROW}
+            desc = {"samples": self._samples, "nx": self.shape[1], "ny": self.shape[0], "map": self._map, "storage": lib.CW_BORROW}
             work.check(lib.cw_field_create(ffi.new("cw_field_desc *", desc), work.run, self._field))
             work.finish()
         self.field = self._field[0]
-        self.affine, self.identity = affine, bool((affine == np.eye(3, 4)).all())
-        self._terrain = self._whole = self._place(shape, self._map)
-        if whole is not None and self._terrain:
-            columns, rows, column, row, affine = whole
-            self._whole = self._place((rows, columns), ffi.new("double[3][4]", affine.tolist()))
-            self._terrain.whole, self._terrain.column, self._terrain.row = self._whole, column, row
+        self.identity = bool((self.affine == np.eye(3, 4)).all())
+        self._terrain = self._whole = self._place(self.shape, self._map)
+        if source.whole is not None and self._terrain:
+            whole, self._terrain.column, self._terrain.row = source.whole
+            self._whole = self._terrain.whole = self._place(whole.shape, ffi.new("double[3][4]", whole.map))
 
     def _place(self, shape: tuple[int, int], affine) -> Any:
         """NULL if the map cannot be inverted."""
@@ -196,10 +195,11 @@ class Core:
 
     def set_scale(self, scale: bytes) -> None:
         """How long the unit of a projected map is on the ground. Before the first product."""
-        if scale and not self._crs.geographic and self._terrain:
+        if scale and not (self.scaled or self._crs.geographic) and self._terrain:
             self._scale = ffi.new("map_scale *")
-            ffi.memmove(self._scale, scale, len(scale))
+            ffi.buffer(self._scale)[:] = scale
             self._terrain.scale = self._whole.scale = self._scale
+        self.scaled = True
 
     def north(self, y):
         """y of the caller's as that of the terrain, and back."""

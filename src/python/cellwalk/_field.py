@@ -5,29 +5,20 @@ from __future__ import annotations
 
 import os
 import re
-import threading
 import warnings
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 import numpy as np
 
-from ._convert import Source, coarser_like, count, finite, nodata_of, numbers, read_source, samples_of, warn_of_heights
-from ._core import Core, Work, ffi, lib, owner
+from ._convert import coarser_like, common_shape, count, finite, nodata_of, numbers, read_source, samples_of, warn_of_heights
+from ._core import Core, Work, ffi, lib, owner, raster_door
 from ._light import Light
-from ._raster import read_crs, read_raster, scale_of
-from ._rays import Hits, _dtype, rays_of
+from ._raster import Source, read_crs, read_raster, scale_of
+from ._rays import Rays
 from ._sight import Sight
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
-
-
-class Kernel(NamedTuple):
-    name: str
-    what: str
-    isa: str
-    width: int
-    available: bool
 
 
 class Difference(NamedTuple):
@@ -42,24 +33,6 @@ class Difference(NamedTuple):
 
 
 _filters = ("mean", "highest", "lowest")
-
-
-def kernels() -> list[Kernel]:
-    """The ways in which rays can be traced, by name; all give exact answers.
-
-    `available` says whether this machine can run it. The `kernel` of closest and any takes one of the names; without it, the
-    library chooses the fastest.
-
-        >>> import cellwalk as cw
-        >>> "cell" in [k.name for k in cw.kernels()]
-        True
-    """
-    info, rows = ffi.new("cw_kernel_info *"), []
-    for k in range(lib.cw_kernel_count()):
-        lib.cw_kernel_describe_into(lib.cw_kernel_at(k), info, ffi.sizeof(info[0]))
-        name, what, isa = (ffi.string(text).decode() for text in (info.name, info.what, lib.cw_isa_name(info.isa)))
-        rows.append(Kernel(name, what, isa, info.width, info.available))
-    return rows
 
 
 # ---- what is called -------------------------------------------------------------------------------------------------------
@@ -100,7 +73,7 @@ def _update(core, work, samples, row, column, block):
     return status
 
 
-class Field(Light, Sight):
+class Field(Rays, Light, Sight):
     """A height field: rows of samples, two triangles between each four of them.
 
     z            array of shape (rows, columns), at least 2 x 2; an xarray.DataArray with dimensions (y, x); or a rasterio
@@ -137,13 +110,11 @@ class Field(Light, Sight):
         about = self._core.describe()
         warn_of_heights(self._samples, about.low, about.high, self._source.nodata)
 
-    def _make(self, source: Source, threads, copy, progress, given=None, whole=None, scale: Any = None) -> None:
+    def _make(self, source: Source, threads, copy=False, progress=None, given=None) -> None:
         self._threads = count(threads, "threads", 0, 4096)
-        self._source = source
+        self._source = source._replace(samples=None)
         self._origin: Optional[tuple] = None  # how to open it again
         self._updated = False  # no longer what its file says
-        self._whole, self._scale = whole, scale
-        self._door = threading.Lock()
         self._difference: Optional[Difference] = None
         held = given.data if hasattr(given, "dims") else given  # chunks are not computed again, and may be views of another array
         shared = given is not None and (hasattr(held, "dask") or np.shares_memory(source.samples, np.asarray(held)))
@@ -152,8 +123,7 @@ class Field(Light, Sight):
 
     def _build(self, samples: np.ndarray, progress=None) -> None:
         def make(samples):
-            work = Work("z", self._threads, progress)
-            return Core(samples, samples.shape, self._source.map, self._source.placed, self._source.crs, work, self._whole)
+            return Core(self._source._replace(samples=samples), Work("z", self._threads, progress))
 
         try:
             core = make(samples)
@@ -164,19 +134,17 @@ class Field(Light, Sight):
             self._own = True
             core = make(samples)  # infinite holes become NaN in a copy
         self._core, self._samples = core, samples
-        self._ready = False
 
     @property
     def _ground(self) -> Core:
         """The field for products, which need the scale of a projected map: GDAL is loaded for it."""
-        with self._door:
-            if not self._ready:
-                if self._scale is None:
-                    name = self._origin[0] if self._origin else "crs"
-                    self._scale = scale_of(self._source.crs, self._source.placed, self._source.map, self.shape, name)
-                self._core.set_scale(self._scale)
-                self._ready = True
-        return self._core
+        core = self._core
+        if not core.scaled:
+            with raster_door:
+                if self._source.scale is None:
+                    self._source = self._source._replace(scale=scale_of(self._source, self._origin[0] if self._origin else "crs"))
+                core.set_scale(self._source.scale)
+        return core
 
     # ---- what it is ------------------------------------------------------------------------------------------------
 
@@ -238,65 +206,13 @@ class Field(Light, Sight):
             raise TypeError("a Field is not pickled after update, which its file lacks; send field.z")
         if self._origin is not None:
             return _reopen, (*self._origin, self.shape)
-        source = self._source._replace(samples=None)
-        return _remake, (source, self._samples, self._threads, self._whole, self._scale, self._difference)
+        return field_of, (self._source._replace(samples=self._samples), self._threads, None, self._difference)
 
-    def __copy__(self) -> Field:
+    def __copy__(self, memo=None) -> Field:
         """A field of its own samples: an update of one does not change the other."""
-        return _remake(self._source, self._samples.copy(), self._threads, self._whole, self._scale, self._difference)
+        return field_of(self._source._replace(samples=self._samples.copy()), self._threads, None, self._difference)
 
-    def __deepcopy__(self, memo) -> Field:
-        return self.__copy__()
-
-    # ---- rays ------------------------------------------------------------------------------------------------------
-
-    def closest(self, origins: ArrayLike, directions: ArrayLike | None = None, tmin: ArrayLike | None = None,
-                tmax: ArrayLike | None = None, *, kernel: str | None = None, progress=None) -> Hits:
-        """The first place where each ray meets the surface.
-
-        origins      (..., 3) in the map's coordinates; or rays, (..., 6) with origin and direction as Open3D has them, or
-                     (..., 8) with origin, tmin, direction and tmax as the program's .npy files have them
-        directions   (..., 3); need not have unit length
-        tmin, tmax   (...): points origin + t * direction count for t from tmin to tmax; default: 0 and infinity
-
-        All broadcast against each other as NumPy's arrays do. float32 and float64 are taken as they are, other real
-        numbers become float64. A ray with a NaN, an infinite origin or a zero direction misses.
-
-        Returns Hits with the shape of the broadcast rays.
-
-            >>> import numpy as np, cellwalk as cw
-            >>> f = cw.Field(np.zeros((9, 9), "float32"))
-            >>> f.closest([[4, 4, 2], [4, 4, -2]], [0, 0, -1]).t
-            array([ 2., inf], dtype=float32)
-        """
-        shape, out = self._trace("closest", origins, directions, tmin, tmax, kernel, progress)
-        return Hits(out.view(_dtype).reshape(shape), self)
-
-    def occluded(self, origins: ArrayLike, directions: ArrayLike | None = None, tmin: ArrayLike | None = None,
-            tmax: ArrayLike | None = None, *, kernel: str | None = None, progress=None) -> np.ndarray:
-        """Whether each ray meets the surface at all: bool, with the shape of the rays. Arguments as for closest.
-
-            >>> import numpy as np, cellwalk as cw
-            >>> f = cw.Field(np.zeros((9, 9), "float32"))
-            >>> f.occluded([4, 4, 2], [0, 0, -1], tmax=[1, 3])
-            array([False,  True])
-        """
-        shape, out = self._trace("occluded", origins, directions, tmin, tmax, kernel, progress)
-        return out.view(np.bool_).reshape(shape)
-
-    def _trace(self, method, origins, directions, tmin, tmax, kernel, progress):
-        if kernel is not None and not isinstance(kernel, str):
-            raise TypeError(f"kernel: {kernel!r}, expected a name of cellwalk.kernels()")
-        shape, operands = rays_of(origins, directions, tmin, tmax)
-        n, wide = len(operands[0]), operands[0].dtype == np.float64
-        rays = ffi.new("rays *", {"at": [a.ctypes.data for a in operands], "step": [a.strides[0] for a in operands], "n": n, "wide": wide,
-                                  "user": wide or not self._core.identity})
-        closest = method == "closest"
-        out = np.empty(n * (_dtype.itemsize if closest else 1), np.uint8)
-        hits, any_hit = (ffi.from_buffer("cw_hit[]", out), ffi.NULL) if closest else (ffi.NULL, ffi.from_buffer("uint8_t[]", out))
-        self._run(method, lambda core, work: lib.rays_trace(rays, core.field, work.c, hits, any_hit), progress=progress, core=self._core,
-                  kernel=kernel)
-        return shape, out
+    __deepcopy__ = __copy__
 
     def at(self, x: ArrayLike, y: ArrayLike, *, progress=None) -> Any:
         """Height of the surface at places of the map, in the map's z: float64, the shape of x and y broadcast; NaN outside
@@ -308,10 +224,7 @@ class Field(Light, Sight):
             array([3.5, 4. , nan])
         """
         x, y = numbers(x, "x"), numbers(y, "y")
-        try:
-            places = np.empty((*np.broadcast_shapes(x.shape, y.shape), 3))
-        except ValueError:
-            raise ValueError(f"shapes do not broadcast: x {x.shape}, y {y.shape}") from None
+        places = np.empty((*common_shape({"x": x.shape, "y": y.shape}), 3))
         places[..., 0], places[..., 1], places[..., 2] = x, y, self._source.map[2, 3]
         if places.size:
             self._run("at", _heights, places, progress=progress, core=self._core)
@@ -342,10 +255,8 @@ class Field(Light, Sight):
         affine = self._source.map.copy()
         affine[:, :2] *= factor
         like = coarser_like(self._source.like, affine, samples, factor)
-        field = Field.__new__(Field)
-        field._make(self._source._replace(samples=samples, map=affine, like=like), self._threads, False, None)
-        field._difference = difference
-        return field
+        source = self._source._replace(samples=samples, shape=samples.shape, map=affine, like=like, scale=None, whole=None)
+        return field_of(source, self._threads, None, difference)
 
     def update(self, row: int, column: int, block: ArrayLike, nodata: float | None = None) -> None:
         """Replaces the samples from (row, column) on by block, of shape (rows, columns). Afterwards the field is what one made
@@ -372,8 +283,7 @@ class Field(Light, Sight):
         if rows == 0 or columns == 0:
             return
         block = samples_of(array, nodata, "block", 1)
-        if np.isinf(block).any():
-            block = np.where(np.isinf(block), np.float32(np.nan), block)
+        block = np.where(np.isinf(block), np.float32(np.nan), block)
         if not self._own:
             self._own = True
             self._build(self._samples.copy())
@@ -406,24 +316,23 @@ def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None =
         raise TypeError(f"path: {path!r}, expected a path")
     path = os.fspath(path)
     column, row, columns, rows = _window(window)
-    given = read_raster(path, 0 if band is None else count(band, "band", 1, 65535), nodata_of(nodata),
-                        0.0 if cellsize is None else finite(cellsize, "cellsize", 0),
-                        0.0 if zscale is None else finite(zscale, "zscale", 0), (column, row, columns, rows), progress)
-    for sentence in given.warnings:  # arguments in place of the program's options
+    given, sentences = read_raster(path, 0 if band is None else count(band, "band", 1, 65535), nodata_of(nodata),
+                                   0.0 if cellsize is None else finite(cellsize, "cellsize", 0),
+                                   0.0 if zscale is None else finite(zscale, "zscale", 0), (column, row, columns, rows), progress)
+    for sentence in sentences:  # arguments in place of the program's options
         text = re.sub(r"--(band|nodata|zscale)( (?=[-\d]))?", lambda found: found[1] + ("=" if found[2] else ""), sentence)
         warnings.warn(text, stacklevel=2)
-    known = given.crs if crs is None else read_crs(crs)
+    source = given if crs is None else given._replace(crs=read_crs(crs))
     if min(given.shape) < 2:
         raise ValueError(f"{path}: {given.shape[0]} rows of {given.shape[1]} samples, expected at least 2 of each")
-    field = Field.__new__(Field)
-    field._make(Source(given.samples, given.map, given.placed, known, None, given.nodata), threads, False, progress)
+    field = field_of(source, threads, progress)
     field._origin = path, window if window is None else (column, row, columns, rows), band, nodata, cellsize, zscale, crs, threads
     return field
 
 
-def _remake(source, samples, threads, whole, scale, difference) -> Field:
+def field_of(source: Source, threads: int, progress=None, difference: Difference | None = None) -> Field:
     field = Field.__new__(Field)
-    field._make(source._replace(samples=samples), threads, False, None, whole=whole, scale=scale)
+    field._make(source, threads, False, progress)
     field._difference = difference
     return field
 
@@ -444,6 +353,6 @@ def _window(window) -> tuple[int, int, int, int]:
         column, row, columns, rows = window
     except (TypeError, ValueError):
         raise ValueError(f"window: {window!r}, expected (column, row, columns, rows)") from None
-    names = ("column", "row", "columns", "rows")
-    return cast("tuple[int, int, int, int]", tuple(count(value, f"window {name}", 0 if k < 2 else 1, 2**31 - 1)
-                                                   for k, (name, value) in enumerate(zip(names, (column, row, columns, rows)))))
+    most = 2**31 - 1
+    return (count(column, "window column", 0, most), count(row, "window row", 0, most),
+            count(columns, "window columns", 1, most), count(rows, "window rows", 1, most))

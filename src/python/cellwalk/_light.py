@@ -11,7 +11,7 @@ import numpy as np
 
 from ._convert import count, finite, numbers
 from ._core import c_text, ffi, lib, owner, warn
-from ._plans import Plan, Products, distance_of, find_eye, round_of, spots_of
+from ._plans import Plan, Products, azimuths_of, distance_of, find_eye, round_of, spots_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -94,12 +94,6 @@ def _days(day: Day, name: str) -> tuple[float, float]:
         raise ValueError(f"{name}: {day!r}, expected a day, as 2024-06-21, a month or a year") from None
     begin, end = (float(d.astype("datetime64[s]").astype(np.int64)) for d in (begin, begin + 1))
     return begin, end
-
-
-def _lon_lat(lon_lat) -> tuple[float, float]:
-    if np.shape(lon_lat) != (2,):
-        raise ValueError(f"lon_lat: {lon_lat!r}, expected a longitude and a latitude")
-    return finite(lon_lat[0], "lon_lat"), finite(lon_lat[1], "lon_lat", -90, 90)
 
 
 def _step(step: str | float | datetime.timedelta) -> float:
@@ -270,19 +264,16 @@ class Light(Products):
             inputs = *suns_of(suns, date, to), bool(irradiance), sky
             return self._product(Plan("insolation", _insolation, how, "sunlight", about, inputs=inputs), progress)
         first, days = _span(date, to)
-        place = self._locate("date") if lon_lat is None else (*_lon_lat(lon_lat), 0.0)
+        place = self._locate("date", None, lon_lat)
         steps = round(days * 86400 / seconds)
         if steps > 1100000:
             raise ValueError(f"step: {step!r} makes {steps} steps of the time from {date} to {to or date}, expected at most 1100000")
         # Days begin at midnight of the place's mean solar time; the sun stands in the middle of each step.
         midnight = first - place[0] / 360 * 86400
         inputs = suns_at(midnight + (np.arange(steps) + 0.5) * seconds, *place), None, bool(irradiance), sky
-        if irradiance:
-            plan = Plan("insolation", _insolation, how, "irradiance", {"long_name": "energy of sunlight on the ground", "units": "Wh m-2"},
-                        lead=("light", ["direct", "diffuse"]), inputs=inputs)
-        else:
-            plan = Plan("insolation", _insolation, how, "sunlight_hours", {"long_name": "hours of direct sunlight", "units": "h"}, inputs=inputs)
-        return self._product(plan, progress)
+        name, about, lead = (("irradiance", {"long_name": "energy of sunlight on the ground", "units": "Wh m-2"}, ("light", ["direct", "diffuse"]))
+                             if irradiance else ("sunlight_hours", {"long_name": "hours of direct sunlight", "units": "h"}, None))
+        return self._product(Plan("insolation", _insolation, how, name, about, lead=lead, inputs=inputs), progress)
 
     def sun_days(self, x: float, y: float, date: Day | None = None, to: Day | None = None, height: float | None = None,
                  *, elevation: float | None = None, suns: ArrayLike | None = None, max_distance: float | None = None,
@@ -311,8 +302,7 @@ class Light(Products):
             raise ValueError(f"x, y: {len(spots)} places, expected one")
         listed, ground = suns is not None, isinstance(tilt, str)
         first, days = (0.0, 1) if listed else _span(date, to)
-        place = ((0.0, 0.0, 0.0) if listed else self._locate("date", (spots[0, 0], spots[0, 1])) if lon_lat is None else
-                 (*_lon_lat(lon_lat), 0.0))
+        place = (0.0, 0.0, 0.0) if listed else self._locate("date", (spots[0, 0], spots[0, 1]), lon_lat)
         if ground and tilt != "ground":
             raise ValueError(f"tilt: {tilt!r}, expected degrees or 'ground'")
         how = {"step": _step(step), "tilt": 0 if ground else finite(tilt, "tilt", 0, 180), "facing": finite(facing, "facing"),
@@ -345,9 +335,8 @@ class Light(Products):
             array([45.  , 63.43], dtype=float32)
         """
         sky = round_of(directions, max_distance, curvature, start)
-        azimuths = np.fmod(sky["start"] + 360 * np.arange(directions) / directions, 360)
         about = {"long_name": "distance to the horizon", "units": "m"} if distance else {"long_name": "horizon", "units": "degrees"}
-        plan = Plan("horizon", _horizon, sky, "horizon", about, lead=("azimuth", azimuths), inputs=(bool(distance),))
+        plan = Plan("horizon", _horizon, sky, "horizon", about, lead=("azimuth", azimuths_of(sky)), inputs=(bool(distance),))
         return self._product(plan, progress)
 
     def sky_view(self, directions: int = 32, max_distance: float | None = None, *, curvature: float = 0.0,

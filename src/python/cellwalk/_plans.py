@@ -8,9 +8,9 @@ from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
 
-from ._convert import Source, count, dress, finite, numbers
+from ._convert import common_shape, count, dress, finite, numbers
 from ._core import Core, Work, ffi, lib
-from ._raster import find_place
+from ._raster import Source, find_place
 
 SPOTS_MOST = 65534  # which uint16 counts
 _DEGREES = 180 / 3.141592653589793
@@ -33,6 +33,7 @@ class Plan(NamedTuple):
 
 class Products:
     """Methods of Field, which has these members."""
+    _core: Core
     _ground: Core
     _source: Source
     _samples: np.ndarray
@@ -46,11 +47,10 @@ class Products:
         return (self._ground if core is None else core).use(work, make, *arguments, change=change)
 
     def _rows(self, plan: Plan, window: tuple[int, int, int, int] | None = None, progress=None) -> np.ndarray:
-        """The plan's product of all samples, or of a window's."""
-        row, column, rows, columns = (0, 0, *self.shape) if window is None else window
-        out = np.zeros(plan.shape(rows, columns), plan.dtype)
-        area = ffi.new("cw_area *", {"at": (column, row, columns, rows)})[0]
-        self._run(plan.method, plan.make, area, out, plan.numbers, *plan.inputs, progress=progress)
+        """The plan's product of all samples, or of a window's: column, row, columns and rows."""
+        at = (0, 0, *self.shape[::-1]) if window is None else window
+        out = np.zeros(plan.shape(at[3], at[2]), plan.dtype)
+        self._run(plan.method, plan.make, ffi.new("cw_area *", {"at": at})[0], out, plan.numbers, *plan.inputs, progress=progress)
         return out
 
     def _dress(self, plan: Plan, data: np.ndarray) -> Any:
@@ -61,9 +61,13 @@ class Products:
     def _product(self, plan: Plan, progress=None) -> Any:
         return self._dress(plan, self._rows(plan, None, progress))
 
-    def _locate(self, what: str, place: Optional[tuple[float, float]] = None) -> tuple[float, float, float]:
-        """Longitude and latitude of a place, by default the middle; how far the map's north is turned there from the true one, toward
-        the west."""
+    def _locate(self, what: str, place: Optional[tuple[float, float]] = None, lon_lat=None) -> tuple[float, float, float]:
+        """Longitude and latitude of a place, by default the middle, unless they are given; how far the map's north is turned there from the
+        true one, toward the west."""
+        if lon_lat is not None:
+            if np.shape(lon_lat) != (2,):
+                raise ValueError(f"lon_lat: {lon_lat!r}, expected a longitude and a latitude")
+            return finite(lon_lat[0], "lon_lat"), finite(lon_lat[1], "lon_lat", -90, 90), 0.0
         m, known, (rows, columns) = self._source.map, self._source.crs, self.shape
         i, j = 0.5 * (columns - 1), 0.5 * (rows - 1)
         x, y = (float(m[k][0] * i + m[k][1] * j + m[k][3]) for k in range(2)) if place is None else place
@@ -96,6 +100,10 @@ def round_of(directions, max_distance, curvature, start=0.0, flags: int = 0) -> 
             "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0), "flags": flags}
 
 
+def azimuths_of(sky: dict[str, Any]) -> np.ndarray:
+    return np.fmod(sky["start"] + 360 * np.arange(sky["count"]) / sky["count"], 360)
+
+
 def spots_of(x, y, height, elevation, default: float = 2.0, weights=None, of: str = "observer_") -> np.ndarray:
     """Places, shape (n, 5): x, y, height above ground or, if the fourth number is 1, the height itself, weight. of: what the arguments'
     names begin with."""
@@ -106,19 +114,17 @@ def spots_of(x, y, height, elevation, default: float = 2.0, weights=None, of: st
     height = elevation if absolute else default if height is None else height
     given = [numbers(value, what).astype(np.float64) for value, what in
              ((x, "x"), (y, "y"), (height, name), (1.0 if weights is None else weights, "weights"))]
-    try:
-        columns = np.broadcast_arrays(*given)
-    except ValueError:
-        raise ValueError(f"shapes do not broadcast: x {given[0].shape}, y {given[1].shape}, {name} {given[2].shape}, weights "
-                         f"{given[3].shape}") from None
-    spots = np.stack([*columns[:3], np.full(columns[0].shape, float(absolute)), columns[3]], -1).reshape(-1, 5)
+    spots = np.empty((*common_shape(dict(zip(("x", "y", name, "weights"), map(np.shape, given)))), 5))
+    spots[..., 0], spots[..., 1], spots[..., 2], spots[..., 4] = given
+    spots[..., 3] = absolute
+    spots = spots.reshape(-1, 5)
     if not np.isfinite(spots[:, 4]).all():
         raise ValueError(f"weights: {spots[~np.isfinite(spots[:, 4]), 4][0]}, expected finite numbers")
     if not np.isfinite(spots).all():
         raise ValueError(f"x, y, {name}: {spots[~np.isfinite(spots).all(1)][0, :3].tolist()} is not finite")
     if not 1 <= len(spots) <= SPOTS_MOST:
         raise ValueError(f"x, y: {len(spots)} places, expected 1 to {SPOTS_MOST}")
-    return np.ascontiguousarray(spots)
+    return spots
 
 
 def find_eye(core: Core, spot, name: Optional[str]) -> Any:
@@ -163,12 +169,8 @@ def ends_of(a, b, absolute) -> np.ndarray:
         if ends.ndim == 0 or ends.shape[-1] not in (2, 3):
             raise ValueError(f"{name}: shape {ends.shape}, expected (..., 3) with x, y and height, or (..., 2)")
         pair.append(np.concatenate([ends, np.zeros(ends.shape[:-1] + (3 - ends.shape[-1],))], -1))
-    try:
-        both = np.broadcast_arrays(*pair)
-    except ValueError:
-        raise ValueError(f"shapes do not broadcast: a {np.shape(a)}, b {np.shape(b)}") from None
-    lines = np.zeros(both[0].shape[:-1], SIGHT)
-    lines["ends"] = np.stack(both, -2)
+    lines = np.zeros(common_shape({"a": np.shape(a), "b": np.shape(b)}, [ends.shape[:-1] for ends in pair]), SIGHT)
+    lines["ends"][..., 0, :], lines["ends"][..., 1, :] = pair
     above = (absolute, absolute) if isinstance(absolute, (bool, np.bool_)) else tuple(absolute) if np.ndim(absolute) == 1 else ()
     if len(above) != 2:
         raise TypeError(f"absolute: {absolute!r}, expected True, False or a pair of them")

@@ -24,6 +24,19 @@ class Crs(NamedTuple):
     inverse_flattening: float
 
 
+class Source(NamedTuple):
+    """What a field is made of, whatever it came from."""
+    samples: Any  # float32, contiguous; the caller's own memory where that is possible. None: not read yet
+    shape: tuple[int, int]
+    map: Any  # 3 rows of 4 numbers
+    placed: bool
+    crs: Crs
+    nodata: Optional[float]
+    like: Any = None  # the DataArray that results look like
+    scale: Optional[bytes] = None  # of scale_of; None: not known yet
+    whole: Any = None  # the Source that the samples are a window of, and column and row of the window
+
+
 def read_crs(crs) -> Crs:
     """A coordinate system as WKT, an object with to_wkt(), or what rasterio or pyproj make one of ("EPSG:32632", 4326)."""
     if crs is None:
@@ -65,16 +78,16 @@ def crs_of(georef, given: Any = None) -> Crs:
     return Crs(wkt if given is None else given, wkt, georef.geographic, georef.unit, georef.semi_major, georef.inverse_flattening)
 
 
-def scale_of(crs: Crs, placed: bool, affine: np.ndarray, shape: tuple[int, int], name: str) -> bytes:
+def scale_of(source: Source, name: str) -> bytes:
     """How long the unit of a projected map is on the ground, for Core.set_scale; warns if that is not known or not the same in all
     directions."""
-    if crs.wkt is None or crs.geographic or not placed:
+    if source.crs.wkt is None or source.crs.geographic or not source.placed:
         return b""
-    work, scale, georef = Work("crs"), ffi.new("map_scale *"), georef_of(crs.wkt)
+    work, scale, georef = Work("crs"), ffi.new("map_scale *"), georef_of(source.crs.wkt)
     georef.placed = georef.crs != NULL
     with raster_door:
-        found = min(shape) >= 2 and lib.io_scale_find(georef, ffi.new("double[3][4]", affine.tolist()), shape[1], shape[0], c_text(name),
-                                                      lib.python_warn, work.c, scale)
+        found = min(source.shape) >= 2 and lib.io_scale_find(georef, ffi.new("double[3][4]", source.map.tolist()), *source.shape[::-1],
+                                                             c_text(name), lib.python_warn, work.c, scale)
     work.check()
     for sentence in work.told.sentences:
         warn(sentence)
@@ -93,19 +106,10 @@ def find_place(wkt: str, x: float, y: float) -> tuple[float, float, float]:
 # ---- files -------------------------------------------------------------------------------------------------------------------
 
 
-class Raster(NamedTuple):
-    samples: Optional[np.ndarray]  # None: only the header was read
-    shape: tuple[int, int]
-    map: np.ndarray
-    placed: bool
-    crs: Crs
-    nodata: Optional[float]
-    warnings: list[str]
-
-
 def read_raster(path: str, band: int, nodata: Optional[float] = None, cellsize: float = 0.0, zscale: float = 0.0,
-                window: Optional[tuple[int, int, int, int]] = None, progress=None) -> Raster:
-    """Band 0: the first. window: column, row, columns and rows, all zero for all; None: of the header alone, if the format has windows."""
+                window: Optional[tuple[int, int, int, int]] = None, progress=None) -> tuple[Source, list[str]]:
+    """And warnings. Band 0: the first. window: column, row, columns and rows, all zero for all; None: of the header alone, if the format has
+    windows."""
     column, row, columns, rows = window or (0, 0, 0, 0)
     work, raster = Work(path, progress=progress), ffi.gc(ffi.new("io_raster *"), lib.io_raster_free)
     values = ffi.new("double[]", [] if nodata is None else [nodata])
@@ -124,8 +128,8 @@ def read_raster(path: str, band: int, nodata: Optional[float] = None, cellsize: 
         memory, raster.memory = raster.memory, NULL
         samples = np.frombuffer(ffi.buffer(ffi.gc(memory, lib.drop_samples), 4 * shape[0] * shape[1]), np.float32).reshape(shape)
     georef = raster.georef
-    return Raster(samples, shape, np.array([list(line) for line in raster.map]), georef.placed, crs_of(georef),
-                  georef.nodata if georef.has_nodata else None, work.told.sentences)
+    return Source(samples, shape, np.array([list(line) for line in raster.map]), georef.placed, crs_of(georef),
+                  georef.nodata if georef.has_nodata else None), work.told.sentences
 
 
 _CELLS = {name: getattr(lib, f"IO_CELL_{name.upper()}") for name in ("uint8", "uint16", "int16", "float32")}

@@ -1,15 +1,47 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rays as callers have them - origins and directions that broadcast, or packed - and answers of Field.closest."""
+"""Rays as callers have them - origins and directions that broadcast, or packed - and where they hit."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, NamedTuple
+
 import numpy as np
 
-from ._convert import numbers
+from ._convert import common_shape, numbers
 from ._core import ffi, lib
+from ._plans import Products
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 _dtype = np.dtype({"names": ["t", "u", "v", "i", "j", "triangle"], "formats": ["=f4", "=f4", "=f4", "=i4", "=i4", "=u4"],
                    "offsets": [0, 16, 20, 4, 8, 12], "itemsize": 24})  # as cw_hit of include/cellwalk.h
+
+
+class Kernel(NamedTuple):
+    name: str
+    what: str
+    isa: str
+    width: int
+    available: bool
+
+
+def kernels() -> list[Kernel]:
+    """The ways in which rays can be traced, by name; all give exact answers.
+
+    `available` says whether this machine can run it. The `kernel` of closest and occluded takes one of the names; without it, the
+    library chooses the fastest.
+
+        >>> import cellwalk as cw
+        >>> "cell" in [k.name for k in cw.kernels()]
+        True
+    """
+    info, rows = ffi.new("cw_kernel_info *"), []
+    for k in range(lib.cw_kernel_count()):
+        lib.cw_kernel_describe_into(lib.cw_kernel_at(k), info, ffi.sizeof(info[0]))
+        name, what, isa = (ffi.string(text).decode() for text in (info.name, info.what, lib.cw_isa_name(info.isa)))
+        rows.append(Kernel(name, what, isa, info.width, info.available))
+    return rows
 
 
 class Hits:
@@ -79,6 +111,8 @@ class Hits:
 
     def _follow(self, name: str, function, progress) -> np.ndarray:
         records = np.ascontiguousarray(self.records)
+        if records.dtype.fields != _dtype.fields or records.itemsize != _dtype.itemsize:
+            raise TypeError(f"records: dtype {records.dtype}, expected that of Field.closest")
         out = np.empty(self.shape + (3,), np.float64)
         if records.size:
             hits, to = ffi.from_buffer("cw_hit[]", records.view(np.uint8)), ffi.from_buffer("double[]", out)
@@ -126,13 +160,60 @@ def rays_of(origins, directions, tmin, tmax):
     for array, name in zip(given[:2], names):
         if array.ndim == 0 or array.shape[-1] != 3:
             raise ValueError(f"{name}: shape {array.shape}, expected (..., 3)")
-    leads = [array.shape[:-1] for array in given[:2]] + [array.shape for array in given[2:]]
-    try:
-        shape = np.broadcast_shapes(*leads)
-    except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for array, name in zip(given, names))
-        raise ValueError(f"shapes do not broadcast: {shapes}") from None
+    shape = common_shape(dict(zip(names, map(np.shape, given))), [array.shape[:-1] for array in given[:2]] + [array.shape for array in given[2:]])
     # Floats stay floats: widened, they would give the same rays. Scalars do not decide, but no double is rounded that is no float.
     narrow = all(array.dtype == np.float32 if array.ndim else float(np.float32(array)) == float(array) for array in given)
     dtype = np.dtype(np.float32 if narrow else np.float64)
     return shape, tuple(_operand(array.astype(dtype, copy=False), shape, width) for array, width in zip(given, ((3,), (3,), (), ())))
+
+
+class Rays(Products):
+    """Methods of Field."""
+
+    def closest(self, origins: ArrayLike, directions: ArrayLike | None = None, tmin: ArrayLike | None = None,
+                tmax: ArrayLike | None = None, *, kernel: str | None = None, progress=None) -> Hits:
+        """The first place where each ray meets the surface.
+
+        origins      (..., 3) in the map's coordinates; or rays, (..., 6) with origin and direction as Open3D has them, or
+                     (..., 8) with origin, tmin, direction and tmax as the program's .npy files have them
+        directions   (..., 3); need not have unit length
+        tmin, tmax   (...): points origin + t * direction count for t from tmin to tmax; default: 0 and infinity
+
+        All broadcast against each other as NumPy's arrays do. float32 and float64 are taken as they are, other real
+        numbers become float64. A ray with a NaN, an infinite origin or a zero direction misses.
+
+        Returns Hits with the shape of the broadcast rays.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> f = cw.Field(np.zeros((9, 9), "float32"))
+            >>> f.closest([[4, 4, 2], [4, 4, -2]], [0, 0, -1]).t
+            array([ 2., inf], dtype=float32)
+        """
+        shape, out = self._trace("closest", origins, directions, tmin, tmax, kernel, progress)
+        return Hits(out.view(_dtype).reshape(shape), self)
+
+    def occluded(self, origins: ArrayLike, directions: ArrayLike | None = None, tmin: ArrayLike | None = None,
+            tmax: ArrayLike | None = None, *, kernel: str | None = None, progress=None) -> np.ndarray:
+        """Whether each ray meets the surface at all: bool, with the shape of the rays. Arguments as for closest.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> f = cw.Field(np.zeros((9, 9), "float32"))
+            >>> f.occluded([4, 4, 2], [0, 0, -1], tmax=[1, 3])
+            array([False,  True])
+        """
+        shape, out = self._trace("occluded", origins, directions, tmin, tmax, kernel, progress)
+        return out.view(np.bool_).reshape(shape)
+
+    def _trace(self, method, origins, directions, tmin, tmax, kernel, progress):
+        if kernel is not None and not isinstance(kernel, str):
+            raise TypeError(f"kernel: {kernel!r}, expected a name of cellwalk.kernels()")
+        shape, operands = rays_of(origins, directions, tmin, tmax)
+        n, wide = len(operands[0]), operands[0].dtype == np.float64
+        rays = ffi.new("rays *", {"at": [a.ctypes.data for a in operands], "step": [a.strides[0] for a in operands], "n": n, "wide": wide,
+                                  "user": wide or not self._core.identity})
+        closest = method == "closest"
+        out = np.empty(n * (_dtype.itemsize if closest else 1), np.uint8)
+        hits, any_hit = (ffi.from_buffer("cw_hit[]", out), ffi.NULL) if closest else (ffi.NULL, ffi.from_buffer("uint8_t[]", out))
+        self._run(method, lambda core, work: lib.rays_trace(rays, core.field, work.c, hits, any_hit), progress=progress, core=self._core,
+                  kernel=kernel)
+        return shape, out

@@ -9,7 +9,7 @@ import numpy as np
 
 from ._convert import count, finite
 from ._core import ffi, lib, warn
-from ._plans import ANSWER, Plan, Products, along, distance_of, ends_of, find_eye, round_of, spots_of
+from ._plans import ANSWER, Plan, Products, along, azimuths_of, distance_of, ends_of, find_eye, round_of, spots_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -84,12 +84,6 @@ def views_of(spots: np.ndarray, limits: dict[str, float], kind: str, bands: bool
     return Plan("viewshed", _viewshed, limits, *VIEWS[kind], dtype, ("observer", list(range(len(spots)))) if bands else None, (spots, kind))
 
 
-def _pair(value, name: str, low: float, high: float) -> tuple[float, float]:
-    if np.shape(value) != (2,):
-        raise ValueError(f"{name}: {value!r}, expected two angles")
-    return finite(value[0], name, low, high), finite(value[1], name, low, high)
-
-
 # ---- what is called -------------------------------------------------------------------------------------------------------
 
 
@@ -133,14 +127,14 @@ def _sites(core, work, area, limits, spots, within):
 
 
 def _horizons(core, work, spots, sky):
-    terrain, out, sight, horizon = core.with_bounds(work), np.empty((len(spots), sky["count"], 5)), ffi.new("sight *"), ffi.new("cw_horizon *", sky)
+    terrain, out, sight, azimuths = core.with_bounds(work), np.empty((len(spots), sky["count"], 5)), ffi.new("sight *"), azimuths_of(sky)
     for k, (spot, to) in enumerate(zip(spots, out)):
         work.part(k, len(spots))
         eye = find_eye(core, spot, "x, y")
         if np.isnan(lib.cw_terrain_height(terrain, eye[0], eye[1])):
             raise ValueError(f"x, y: ({spot[0]:.10g}, {spot[1]:.10g}) is not on the terrain, where the horizon is found")
-        lib.cw_sight_init(sight, terrain, terrain.bounds, eye, horizon.curvature)
-        lib.horizon_round(sight, horizon, ffi.from_buffer("place_horizon[]", to))
+        lib.cw_sight_init(sight, terrain, terrain.bounds, eye, sky["curvature"])
+        ffi.from_buffer("place_horizon[]", to)[0:len(to)] = [lib.place_horizon_toward(sight, a, sky["max_distance"]) for a in azimuths]
     out[..., 4] = core.north(out[..., 4])
     return out
 
@@ -161,13 +155,15 @@ def _lines(core, work, lines, curvature, frequency):
     """Answers, and of each line a clearance."""
     placed, answers = _northward(core, lines), np.empty(lines.shape, ANSWER)
     clearances = np.full((*lines.shape, 3), np.nan)
-    given, to = (ffi.from_buffer("cw_sight[]", placed), lines.size), ffi.from_buffer("cw_sight_answer[]", answers)
-    if not frequency:
-        work.check(lib.cw_lines_of_sight(core.terrain, work.run, curvature, *given, to))
-    elif not lib.lines_clearance(core.terrain, work.c, curvature, frequency, *given, to, ffi.from_buffer("clearance[]", clearances)):
-        raise MemoryError("line_of_sight: out of memory")
+    given = ffi.from_buffer("cw_sight[]", placed), lines.size
+    work.part(0, 2 if frequency else 1)
+    work.check(lib.cw_lines_of_sight(core.terrain, work.run, curvature, *given, ffi.from_buffer("cw_sight_answer[]", answers)))
     for wrong in np.flatnonzero(answers["state"] >= lib.CW_SIGHT_NO_GROUND)[:1]:
         _check_ends(core, lines.reshape(-1)[wrong])
+    if frequency:
+        work.part(1, 2)
+        if not lib.lines_clearance(core.terrain, work.c, curvature, frequency, *given, ffi.from_buffer("clearance[]", clearances)):
+            raise MemoryError("line_of_sight: out of memory")
     answers["blocked"][..., 1] = core.north(answers["blocked"][..., 1])
     return answers, clearances
 
@@ -199,14 +195,14 @@ class Sight(Products):
                                   "nearest": finite(min_distance, "min_distance", 0), "curvature": self._bend(curvature), "limits": 0}
         if max_distance is not None and limits["nearest"] > limits["farthest"]:
             raise ValueError(f"min_distance: {min_distance} is more than max_distance={max_distance}")
-        if azimuth is not None:
-            limits["azimuths"] = _pair(azimuth, "azimuth", -360, 360)
-            limits["limits"] |= lib.CW_OBSERVER_AZIMUTHS
-        if vertical is not None:
-            limits["verticals"] = _pair(vertical, "vertical", -90, 90)
-            if limits["verticals"][0] > limits["verticals"][1]:
-                raise ValueError(f"vertical: {vertical!r}, expected the lower angle first")
-            limits["limits"] |= lib.CW_OBSERVER_VERTICALS
+        for name, pair, most, flag in (("azimuth", azimuth, 360, lib.CW_OBSERVER_AZIMUTHS), ("vertical", vertical, 90, lib.CW_OBSERVER_VERTICALS)):
+            if pair is not None:
+                if np.shape(pair) != (2,):
+                    raise ValueError(f"{name}: {pair!r}, expected two angles")
+                limits[name + "s"] = low, high = [finite(angle, name, -most, most) for angle in pair]
+                if name == "vertical" and low > high:
+                    raise ValueError(f"vertical: {vertical!r}, expected the lower angle first")
+                limits["limits"] |= flag
         return limits
 
     def _spots(self, spots: np.ndarray, every: float | None, skip_outside: bool) -> np.ndarray:
@@ -302,8 +298,7 @@ class Sight(Products):
             within = np.ascontiguousarray(np.asarray(within) != 0, np.uint8)
             if within.shape != self.shape:
                 raise ValueError(f"within: shape {within.shape}, expected the field's {self.shape}")
-        rows, columns = self.shape
-        area = ffi.new("cw_area *", {"at": (0, 0, columns, rows)})[0]
+        area = ffi.new("cw_area *", {"at": (0, 0, *self.shape[::-1])})[0]
         out = self._run("viewshed", _sites, area, limits, spots, within, progress=progress)
         return Sites(out[:, 0].astype(np.int64), out[:, 1], out[:, 2], out[:, 3:])
 

@@ -24,33 +24,32 @@ from __future__ import annotations
 import functools
 import os
 import threading
-from typing import Any, NamedTuple, Optional, TypedDict, Unpack, cast
+from typing import Any, NamedTuple, Optional, TypedDict, Unpack
 
 import dask
 import dask.array as da
 import numpy as np
 
-from . import _light, _raster
-from ._convert import Source, count, describe_dataarray, dress, finite, nodata_of, samples_of
+from . import _light
+from ._convert import count, describe_dataarray, dress, finite, nodata_of, samples_of
 from ._core import Core, check, ffi, lib
-from ._field import Field, open as open_field
+from ._field import Field, field_of, open as open_field
 from ._light import Light
 from ._plans import Plan, spots_of
-from ._raster import Crs, scale_of
+from ._raster import Source, read_raster, scale_of
 from ._sight import VIEWS, Sight, views_of
+from ._store import INPUT, to_geotiff as to_geotiff
+from ._xarray import xarray
 
 # A task's samples, as they are read and as the field has them, and the field's bounds over them.
 _BYTES_A_SAMPLE = 10
 
-# Tasks are annotated with the file that they read, which no result may replace.
-_INPUT = "cellwalk_input"
 
-
-class _Window(NamedTuple):
-    row: int
+class _Window(NamedTuple):  # as cw_rectangle
     column: int
-    rows: int
+    row: int
     columns: int
+    rows: int
 
     def inside(self, outer: "_Window") -> tuple[slice, slice]:
         row, column = self.row - outer.row, self.column - outer.column
@@ -63,36 +62,23 @@ class _Window(NamedTuple):
                 slice(self.column // size, -(-(self.column + self.columns) // size)))
 
 
-class _Site(NamedTuple):
-    """Where a raster lies, for workers."""
-    rows: int
-    columns: int
-    map: tuple
-    placed: bool
-    crs: Crs
-    nodata: Optional[float]
-    scale: bytes  # of the map; empty: it has none
-
-
 # ---- what runs in a worker --------------------------------------------------------------------------------------------------
 
 
-def _samples(part, g: _Site, window: _Window) -> np.ndarray:
-    """part is a path with a band, or the window's block of a chunked array."""
+# g: the raster's Source, without samples. part: a path with a band, or the window's block of a chunked array.
+
+
+def _samples(part, g: Source, window: _Window) -> np.ndarray:
     if isinstance(part, tuple):
         path, band = part
-        return _raster.read_raster(path, band, g.nodata, window=(window.column, window.row, window.columns, window.rows)).samples
+        return read_raster(path, band, g.nodata, window=window)[0].samples
     return samples_of(part, g.nodata)
 
 
-def _field(part, g: _Site, window: _Window, threads: int) -> Field:
-    affine = np.array(g.map)
-    whole = g.columns, g.rows, window.column, window.row, affine.copy()
+def _field(part, g: Source, window: _Window, threads: int) -> Field:
+    affine, samples = np.array(g.map), _samples(part, g, window)
     affine[:2, 3] += affine[:2, 0] * window.column + affine[:2, 1] * window.row
-    field = Field.__new__(Field)
-    field._make(Source(_samples(part, g, window), affine, g.placed, g.crs, None, g.nodata), threads, False, None, whole=whole,
-                scale=g.scale)
-    return field
+    return field_of(g._replace(samples=samples, shape=samples.shape, map=affine, whole=(g, window.column, window.row)), threads)
 
 
 _kept_field = functools.lru_cache(maxsize=1)(_field)  # the whole raster, for chunk after chunk
@@ -100,7 +86,7 @@ _one_at_a_time = threading.Lock()
 
 
 def _field_of(part, g, window, threads) -> Field:
-    if not isinstance(part, tuple) or (window.rows, window.columns) != (g.rows, g.columns):
+    if not isinstance(part, tuple) or (window.rows, window.columns) != g.shape:
         return _field(part, g, window, threads)
     with _one_at_a_time:  # threads of a worker share it
         return _kept_field(part, g, window, threads)
@@ -109,7 +95,7 @@ def _field_of(part, g, window, threads) -> Field:
 def _ranges(part, g, window):
     """Lowest and highest samples of the window's blocks; none of a block of holes."""
     z, size = _samples(part, g, window), lib.REACH_BLOCK
-    rows, columns = (np.maximum(np.arange(s.start, s.stop) * size - start, 0) for s, start in zip(window.blocks(), window))
+    rows, columns = (np.maximum(np.arange(s.start, s.stop) * size - start, 0) for s, start in zip(window.blocks(), (window.row, window.column)))
     return tuple(of.reduceat(of.reduceat(np.where(np.isfinite(z), z, none), rows, 0), columns, 1)
                  for of, none in ((np.minimum, np.float32(np.inf)), (np.maximum, np.float32(-np.inf))))
 
@@ -117,7 +103,7 @@ def _ranges(part, g, window):
 def _make(part, g, window, chunk, plan, threads):
     """A chunk of a plan's product."""
     rows, columns = chunk.inside(window)
-    return _field_of(part, g, window, threads)._rows(plan, (rows.start, columns.start, chunk.rows, chunk.columns))
+    return _field_of(part, g, window, threads)._rows(plan, (columns.start, rows.start, chunk.columns, chunk.rows))
 
 
 def _seen(part, g, window, plan, threads):
@@ -132,8 +118,8 @@ def _join(part, g, chunk, padded, nodata, views):
     out = np.full((chunk.rows, chunk.columns), 0 if counts else np.nan, np.uint16 if counts else np.float32)
     for window, view in views:
         row, column = max(chunk.row, window.row), max(chunk.column, window.column)
-        both = _Window(row, column, min(chunk.row + chunk.rows, window.row + window.rows) - row,
-                       min(chunk.column + chunk.columns, window.column + window.columns) - column)
+        both = _Window(column, row, min(chunk.column + chunk.columns, window.column + window.columns) - column,
+                       min(chunk.row + chunk.rows, window.row + window.rows) - row)
         here = both.inside(chunk)
         out[here] = view[both.inside(window)] + (out[here] if counts else 0)
     if counts:
@@ -144,13 +130,13 @@ def _join(part, g, chunk, padded, nodata, views):
 class _Reach:
     """How much of a raster matters to a part of it."""
 
-    def __init__(self, g: _Site) -> None:
-        self.core = Core(None, (g.rows, g.columns), np.array(g.map), g.placed, g.crs)
+    def __init__(self, g: Source) -> None:
+        self.core = Core(g)
         self.core.set_scale(g.scale)
 
     def grown(self, w: _Window) -> _Window:
         """To at least 2 rows and columns, which a field needs."""
-        return _window_of(lib.cw_reach_grow(self.core.terrain, _rectangle_of(w), 0))
+        return _window_of(lib.cw_reach_grow(self.core.terrain, w, 0))
 
     def around(self, x: float, y: float, distance: float) -> _Window:
         """The part that a viewshed from a place examines; without rows if there is none."""
@@ -168,16 +154,12 @@ class _Reach:
             low, high, highest = ranges
             plan.blocks = {"whole": self.core.terrain, "across": low.shape[1], "down": low.shape[0], "low": ffi.from_buffer("float[]", low),
                            "high": ffi.from_buffer("float[]", high), "highest": highest}
-        check(lib.ground_plan_around(plan, _rectangle_of(w), piece), "reach")
+        check(lib.ground_plan_around(plan, w, piece), "reach")
         return _window_of(piece)
 
 
-def _rectangle_of(w: _Window) -> Any:
-    return ffi.new("cw_rectangle *", (w.column, w.row, w.columns, w.rows))[0]
-
-
 def _window_of(r) -> _Window:
-    return _Window(r.j, r.i, r.ny, r.nx)
+    return _Window(r.i, r.j, r.nx, r.ny)
 
 
 # ---- the graph --------------------------------------------------------------------------------------------------------------
@@ -218,30 +200,30 @@ class _Raster(Light, Sight):
             self.path = os.path.abspath(os.fspath(source)) if "://" not in str(source) and not str(source).startswith("/vsi") else str(source)
             self.input = self.path
             self.band = 0 if band is None else count(band, "band", 1, 65535)
-            rows, columns = _raster.read_raster(self.path, self.band).shape
-            corner = open_field(self.path, (0, 0, 2, 2), band=band, nodata=nodata, crs=crs, threads=1)
-            about = corner._source
+            self.shape = read_raster(self.path, self.band)[0].shape
+            about = open_field(self.path, (0, 0, 2, 2), band=band, nodata=nodata, crs=crs, threads=1)._source
         elif hasattr(source, "dims") and hasattr(source, "coords"):
             about = describe_dataarray(source, crs=crs, nodata=nodata)
-            self.like, nodata = about.like, about.nodata
+            self.like, nodata, self.shape = about.like, about.nodata, about.shape
             self.input = source.encoding.get("source")
-            rows, columns = self.like.shape
             self.array = self.like.data if isinstance(self.like.data, da.Array) else da.from_array(self.like.values, chunks="auto")
             chunks = self.array.chunks if chunks is None else chunks
         else:
             raise TypeError(f"source: {type(source).__name__}, expected a path or a DataArray")
+        rows, columns = self.shape
         if min(rows, columns) < 2:
             raise ValueError(f"source: {rows} rows of {columns} samples, expected at least 2 of each")
-        self._source, self.shape = about, (rows, columns)
-        self.site = _Site(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata,
-                          scale_of(about.crs, about.placed, about.map, (rows, columns), self.path or "crs"))
+        self._source = about._replace(shape=self.shape)
+        # Can be hashed.
+        self.site = about._replace(shape=self.shape, map=tuple(map(tuple, about.map.tolist())), crs=about.crs._replace(given=None),
+                                   nodata=nodata, like=None, scale=scale_of(self._source, self.path or "crs"))
         self.reach = _Reach(self.site)
         try:
             self.chunks = da.core.normalize_chunks(2048 if chunks is None else chunks, (rows, columns), dtype=np.float32)
         except (TypeError, ValueError, ZeroDivisionError) as error:
             raise ValueError(f"chunks: {chunks!r}, expected rows and columns of a chunk, for a raster of {rows} x {columns}: {error}") from None
         ends = [np.concatenate([[0], np.cumsum(sizes)]) for sizes in self.chunks]
-        self.windows = [[_Window(int(r), int(c), h, w) for c, w in zip(ends[1], self.chunks[1])] for r, h in zip(ends[0], self.chunks[0])]
+        self.windows = [[_Window(int(c), int(r), w, h) for c, w in zip(ends[1], self.chunks[1])] for r, h in zip(ends[0], self.chunks[0])]
 
     def part(self, window: _Window):
         if self.path is not None:
@@ -249,12 +231,7 @@ class _Raster(Light, Sight):
         return self.array[window.row:window.row + window.rows, window.column:window.column + window.columns]
 
     def delayed(self, task):
-        make = dask.delayed(task, pure=True)
-
-        def call(*arguments):
-            with dask.annotate(**{_INPUT: self.input}):
-                return make(*arguments)
-        return call
+        return dask.annotate(**{INPUT: self.input})(dask.delayed(task, pure=True))
 
     def check_memory(self, what: str, windows, chunk_bytes: int = 4) -> None:
         """Refuses tasks that take more than `memory` bytes: windows and chunks in pairs; chunk_bytes of results a sample of
@@ -270,7 +247,7 @@ class _Raster(Light, Sight):
     def block_ranges(self) -> tuple[np.ndarray, np.ndarray]:
         """Of all blocks. One pass over the raster, made at once."""
         size, g = lib.REACH_BLOCK, self.site
-        shape = -(-g.rows // size), -(-g.columns // size)
+        shape = tuple(-(-n // size) for n in g.shape)
         low, high = np.full(shape, np.inf, np.float32), np.full(shape, -np.inf, np.float32)
         task = dask.delayed(_ranges, pure=True)
         windows = [self.reach.grown(w) for row in self.windows for w in row]
@@ -289,8 +266,8 @@ class _Raster(Light, Sight):
         else:
             ranges, lights, what = None, (), f"max_distance: {f'{distance:g}' if distance else 'None, so far mountains may count'}"
         windows = [[self.reach.matters(w, distance, ranges, lights) for w in row] for row in self.windows]
-        planes = len(plan.lead[1]) if plan.lead else 1
-        self.check_memory(what, [pair for rows in zip(windows, self.windows) for pair in zip(*rows)], _BYTES.get(plan.name, 4 * planes))
+        self.check_memory(what, [pair for rows in zip(windows, self.windows) for pair in zip(*rows)],
+                          _BYTES.get(plan.name, 4 * len(plan.lead[1]) if plan.lead else 4))
         task = self.delayed(_make)
         blocks = [[task(self.part(window), self.site, window, chunk, plan, self.threads) for window, chunk in zip(*rows)]
                   for rows in zip(windows, self.windows)]
@@ -302,15 +279,11 @@ class _Raster(Light, Sight):
         array = da.block([[da.from_delayed(b, shape(w), dtype) for b, w in zip(row, windows)] for row, windows in zip(blocks, self.windows)])
         like = self.like
         if like is None:
-            try:
-                import xarray
-            except ImportError:
-                return array
             m = self.site.map
-            if m[0][1] or m[1][0]:
+            if xarray is None or m[0][1] or m[1][0]:
                 return array
             like = xarray.DataArray(array if lead is None else array[0], dims=("y", "x"), coords={
-                "y": m[1][3] + m[1][1] * np.arange(self.site.rows), "x": m[0][3] + m[0][0] * np.arange(self.site.columns)})
+                "y": m[1][3] + m[1][1] * np.arange(self.shape[0]), "x": m[0][3] + m[0][0] * np.arange(self.shape[1])})
         return dress(like, array, name, attrs, lead)
 
 
@@ -375,7 +348,7 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
     kind, distance = "needed" if needed else "seen", limits["farthest"]
     if needed and len(places) > 1:
         raise ValueError(f"needed: that of one observer, not of {len(places)}")
-    task, views, whole = r.delayed(_seen), [], _Window(0, 0, g.rows, g.columns)
+    task, views, whole = r.delayed(_seen), [], _Window(0, 0, *g.shape[::-1])
     for place in places:
         window = r.reach.around(place[0], place[1], distance) if distance else whole
         if window.rows:
@@ -391,87 +364,3 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
     join, padded = r.delayed(_join), [[r.reach.grown(w) for w in row] for row in r.windows]
     blocks = [[join(None if needed else r.part(p), g, w, p, nodata_out, near(w)) for w, p in zip(*rows)] for rows in zip(r.windows, padded)]
     return r.result(blocks, nodata_out.dtype, name, attrs if needed else {**attrs, "_FillValue": nodata_out})
-
-
-# ---- results ----------------------------------------------------------------------------------------------------------------
-
-
-def _write_chunks(array: da.Array, write) -> None:
-    """Calls write(slices, block) here for one chunk after another, as they are done. A chunk of a worker that died comes from another."""
-    try:
-        from distributed import as_completed, get_client
-        client = get_client()
-    except (ImportError, ValueError):
-        class Target:
-            def __setitem__(self, index, block) -> None:
-                write(index, block)
-        da.store(array, cast(Any, Target()), lock=True)
-        return
-    futures = client.compute(list(array.to_delayed().ravel()))
-    places = {future.key: slices for future, slices in zip(futures, da.core.slices_from_chunks(array.chunks))}
-    finished = as_completed(futures, with_results=True)
-    del futures  # each chunk's memory is free when it is written
-    for future, block in finished:
-        write(places[future.key], block)
-
-
-def _place_of(result, like, shape) -> tuple[Optional[np.ndarray], Optional[str]]:
-    """Map and coordinate system, from a file or from the result's own coordinates."""
-    if like is not None:
-        name = os.fspath(like)
-        about = _raster.read_raster(name, 0)
-        if about.shape != shape:
-            rows, columns = about.shape
-            raise ValueError(f"like: {name!r} has {rows} x {columns} samples, the result {shape[0]} x {shape[1]}")
-        return (about.map, about.crs.wkt) if about.placed else (None, None)
-    if not hasattr(result, "dims") or any(name not in result.coords for name in result.dims[-2:]):
-        return None, None
-    described = describe_dataarray(result[0] if result.ndim == 3 else result)
-    return described.map, described.crs.wkt
-
-
-def _refuse_inputs(array: da.Array, path, like) -> None:
-    """The file may be read until the last chunk is done, and the next run would read the result."""
-    layers = array.__dask_graph__().layers.values()
-    inputs = {(layer.annotations or {}).get(_INPUT) for layer in layers} | {like if like is None else os.fspath(like)}
-    for name in inputs - {None}:
-        try:
-            same = os.path.samefile(path, name)
-        except OSError:  # one of them is not there, or on the network
-            continue
-        if same:
-            raise ValueError(f"path: {os.fspath(path)!r} is also an input; choose another name for the output")
-
-
-def to_geotiff(result: Any, path: str | os.PathLike[str], like: str | os.PathLike[str] | None = None) -> None:
-    """Computes a result and writes it to a tiled GeoTIFF, chunk by chunk as they are done. Needs GDAL, as cellwalk.open.
-
-    path: ends in .tif or .tiff. A file of that name is replaced, and keeps its owner and permissions, unless it is an input.
-    like: a file of the same size whose place and coordinate system the result takes; default: the result's coordinates.
-
-    The file is written by the process that calls this, and gets its name when all of it is on the disk. If anything fails, nothing
-    is changed. Many machines write faster to zarr: result.to_dataset().to_zarr(path), where workers write their chunks themselves.
-    """
-    array = result.data if hasattr(result, "dims") else result
-    if not isinstance(array, da.Array) or array.ndim not in (2, 3):
-        raise TypeError(f"result: {type(result).__name__}, expected what shadow, viewshed, horizon or sky_view returned")
-    _refuse_inputs(array, path, like)
-    bands = array.shape[0] if array.ndim == 3 else 1
-    rows, columns = array.shape[-2:]
-    # Compressed tiles that are written in parts would leave gaps.
-    aligned = all(edge % 256 == 0 for sizes in array.chunks[-2:] for edge in np.cumsum(sizes)[:-1])
-    dtype = array.dtype.newbyteorder("=")
-    nodata = np.nan if dtype.kind != "u" and dtype.kind != "i" else np.iinfo(dtype).max
-    file = _raster.GeoTiff(path, bands, rows, columns, dtype.name, nodata, *_place_of(result, like, (rows, columns)), aligned)
-
-    def write(index, block):
-        window = [n for s in index[-2:] for n in (s.start, s.stop - s.start)]
-        blocks = np.asarray(block).reshape((-1, window[1], window[3]))
-        for band, part in enumerate(blocks, index[0].start if array.ndim == 3 else 0):
-            file.write(band, window[0], window[2], window[1], window[3], np.ascontiguousarray(part, dtype))
-
-    try:
-        _write_chunks(array, write)
-        file.commit()
-    finally:
-        file.discard()

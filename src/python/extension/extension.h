@@ -60,13 +60,9 @@ cw_status rays_trace(const rays *r, const cw_field *field, work *w, cw_hit *hits
 /* Places of the sun at so many times. */
 void suns_at(const sun_place *place, const double *times, size_t n, sun_position *suns);
 
-/* The horizon of the place of s. */
-void horizon_round(sight *s, const cw_horizon *h, place_horizon *out);
-
-/* As cw_lines_of_sight, and the clearances of links. Of a line that cannot be the state alone is set, to CW_SIGHT_NO_GROUND. False if memory
- * is short. */
+/* The clearances of links. That of a line that cannot be is left as it is. False if memory is short. */
 bool lines_clearance(const terrain *t, work *w, double curvature, double megahertz, const cw_sight *lines, size_t n,
-                     cw_sight_answer *answers, clearance *out);
+                     clearance *out);
 
 /* A row for each point. */
 void line_rows(const line *l, double megahertz, const profile *p, line_row *rows);
