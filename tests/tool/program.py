@@ -31,7 +31,6 @@ Scale 2 2 1
 Shape "heightfield" "integer nu" 2 "integer nv" 2 "float Pz" [0 0 .3 0]
 WorldEnd
 """
-REAL = "/usr/lib/R/site-library/terra/ex/elev.tif"  # Luxembourg in degrees, from SRTM
 
 
 def needs_room(program=PROGRAM):
