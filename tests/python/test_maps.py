@@ -6,13 +6,11 @@ import warnings
 import numpy as np
 import pytest
 from program import commands as every_command, run, write as write_text
+from rasterio.transform import Affine
+from rasterio.warp import calculate_default_transform, transform
 
 import cellwalk as cw
 from conftest import geotiff as write, tool
-
-rasterio = pytest.importorskip("rasterio")
-from rasterio.transform import Affine  # noqa: E402
-from rasterio.warp import calculate_default_transform, transform  # noqa: E402
 
 MIDDLE, HALF = (600000.0, 5206000.0), 5000.0  # UTM zone 32, latitude 47
 MAPS = {
@@ -166,9 +164,6 @@ def test_what_a_scale_leaves_out_is_said(crs, affine, words):
 
 # ---- guesses, and what looks wrong -------------------------------------------------------------------------------------------
 
-FEET = MAPS["feet"]
-
-
 COMMANDS = """info\ninfo --json\ntrace rays.npy --user -o o.npy\nshadow --sun 200,30 -o o.tif\nsun --date 2024-06-21 --step 6h -o o.tif
 sun --date 2024-06-21 --step 6h --at 1600500,399500\nhorizon --directions 2 -o o.tif\nhorizon --openness --directions 2 -o o.tif
 horizon --at 1600500,399500\nhorizon --places places.csv\nviewshed --from 1600500,399500 -o o.tif
@@ -183,7 +178,7 @@ def test_each_command_warns_once():
     np.save("rays.npy", np.array([[1600500, 399500, 2e9, 0, 0, 0, -1, 3e9]]))
     z = np.full((10, 10), 1e9, "float32")
     z[4, 4] = -9999
-    write("dem.tif", z, FEET, Affine(100, 0, 1.6e6, 0, -100, 4e5), units=None)
+    write("dem.tif", z, MAPS["feet"], Affine(100, 0, 1.6e6, 0, -100, 4e5), units=None)
     lines = list(map(str.split, COMMANDS.splitlines()))
     assert every_command() == {words[0] for words in lines}
     for command, *rest in lines:
@@ -197,7 +192,7 @@ def test_each_command_warns_once():
 DEGREES, METRES, HILLS = (1 / 1200, 0, 10.5, 0, -1 / 1200, 47.25), (30, 0, 6e5, 0, -30, 5.2e6), np.arange(1, 26, dtype="float32").reshape(5, 5)
 TILE = np.random.default_rng(3).uniform(104, 400, (20, 50)).astype("float32")
 TILE[:, :14] = 0
-STATE = (100, 0, 1.6e6, 0, -100, 4e5), FEET
+STATE = (100, 0, 1.6e6, 0, -100, 4e5), MAPS["feet"]
 
 
 @pytest.mark.parametrize("z, place, units, words, silent", [

@@ -9,31 +9,25 @@ import resource
 import subprocess
 import sys
 
+import dask
+import dask.array as da
 import numpy as np
 import pytest
+import xarray as xr
 
-rasterio = pytest.importorskip("rasterio")
-xr = pytest.importorskip("xarray")
-dask = pytest.importorskip("dask")
-
-import dask.array as da  # noqa: E402
-
-import cellwalk as cw  # noqa: E402
-import cellwalk.dask as cwd  # noqa: E402
-from conftest import geotiff, raster as content, rough, same  # noqa: E402
+import cellwalk as cw
+import cellwalk.dask as cwd
+from conftest import geotiff, raster as content, rough, same
 
 ROWS, COLUMNS = 300, 270
 HILLS = rough(ROWS, COLUMNS, holes=False)
+VALUES = np.random.default_rng(1).normal(500, 50, (ROWS, COLUMNS)).astype(np.float32)
 
 
 @pytest.fixture(autouse=True)
 def one_by_one(folder):
     with dask.config.set(scheduler="synchronous"):
         yield
-
-
-def values(seed=1):
-    return np.random.default_rng(seed).normal(500, 50, (ROWS, COLUMNS)).astype(np.float32)
 
 
 def result(z, chunks=256):
@@ -51,9 +45,9 @@ def test_an_input_is_not_replaced():
     os.link("dem.tif", "hard.tif")
     before = bytes_of_all()
     lit = cwd.shadow("dem.tif", chunks=128)
-    array = xr.DataArray(da.from_array(values(), chunks=128), dims=("y", "x"))
+    array = xr.DataArray(da.from_array(VALUES, chunks=128), dims=("y", "x"))
     array.encoding["source"] = os.path.abspath("dem.tif")  # as rioxarray has it
-    results = [(lit, None), (lit.where(lit == 1, 0).astype("uint8"), None), (cwd.shadow(array), None), (result(values()), "dem.tif")]
+    results = [(lit, None), (lit.where(lit == 1, 0).astype("uint8"), None), (cwd.shadow(array), None), (result(VALUES), "dem.tif")]
     for name in ("./dem.tif", "soft.tif", "hard.tif", os.path.abspath("dem.tif"), pathlib.Path("dem.tif")):
         for output, like in results:
             with pytest.raises(ValueError, match="path: .*is also an input"):
@@ -67,13 +61,13 @@ def test_an_input_is_not_replaced():
 @pytest.mark.parametrize("chunks", [256, 100], ids=["compressed", "uncompressed"])
 def test_a_full_disk_is_an_error(chunks):
     """A limit on the size of files stands for it. Nothing else changes, however late it is found out."""
-    cwd.to_geotiff(result(values(), chunks), "old.tif")
+    cwd.to_geotiff(result(VALUES, chunks), "old.tif")
     size, limits, before = os.path.getsize("old.tif"), resource.getrlimit(resource.RLIMIT_FSIZE), bytes_of_all()
     for room, name in itertools.product([0, 8, *(size * k // 8 for k in range(1, 8, 2)), size - 1], ("old.tif", "new.tif")):
         resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
         try:
             with pytest.raises(OSError, match=rf"{name}: cannot write: {os.strerror(errno.EFBIG)}"):
-                cwd.to_geotiff(result(values(), chunks), name)
+                cwd.to_geotiff(result(VALUES, chunks), name)
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, limits)
         assert bytes_of_all() == before
@@ -109,30 +103,30 @@ def test_a_failing_chunk_changes_nothing(failure):
         return block
     for name in ("a.tif", "b.tif"):
         with pytest.raises(failure):
-            cwd.to_geotiff(result(values()).map_blocks(fail, dtype=np.float32), name)
+            cwd.to_geotiff(result(VALUES).map_blocks(fail, dtype=np.float32), name)
     assert os.listdir(".") == ["a.tif"] and pathlib.Path("a.tif").read_text() == "old"
 
 
 def test_names_are_only_names():
     for name in ("-a.tif", "a\nb.tif", "\x1b[2J.tif", "GTIFF_DIR:1:a.tif", "MEM:::DATAPOINTER=1.tif", "%d%s.tif", "a.TIFF", b"\xff\xfe.tif", "\udcff.tif",
                  "x" * 251 + ".tif"):
-        cwd.to_geotiff(result(values()), name)
+        cwd.to_geotiff(result(VALUES), name)
         assert os.listdir(os.fsencode(".")) == [os.fsencode(name)]
         os.rename(os.fsencode(name), "plain.tif")
-        same(content("plain.tif"), values())
+        same(content("plain.tif"), VALUES)
         os.unlink("plain.tif")
     os.mkdir("folder.tif")
     for name, kind, reason in [*((name, ValueError, "path: .*expected a name that ends in .tif") for name in ("a.npy", "a.png", "a", "a.tif.part", ".tif")),
                                *((name, OSError, os.strerror(reason)) for name, reason in [
                                    ("nowhere/a.tif", errno.ENOENT), ("/vsimem/a.tif", errno.ENOENT), ("x" * 252 + ".tif", errno.ENAMETOOLONG), ("folder.tif", errno.EISDIR)])]:
         with pytest.raises(kind, match=reason):
-            cwd.to_geotiff(result(values()), name)
+            cwd.to_geotiff(result(VALUES), name)
     assert os.listdir(".") == ["folder.tif"] and not os.listdir("folder.tif")
 
 
 @pytest.mark.parametrize("dtype", ["uint8", "uint16", "int16", "float32", ">f4"])
 def test_dtypes(dtype):
-    z = values().astype(dtype)
+    z = VALUES.astype(dtype)
     cwd.to_geotiff(result(z, (256, 100)), "a.tif")
     same(content("a.tif"), z.astype(np.dtype(dtype).newbyteorder("=")))
 

@@ -66,6 +66,7 @@ def test_other_processes(tmp_path, start, processes):
         assert pool.map_async(_ask, [None, field, str(tmp_path / "z.npy"), None]).get(300) == [wanted] * 4
 
 
+# Pools that nobody uses end.
 THREADS = """
 import os, threading, numpy as np, cellwalk as cw
 def ask(threads):
@@ -90,10 +91,7 @@ assert os.wait()[1] == 0
 """
 
 
-def test_pools_that_nobody_uses_end():
-    subprocess.run([sys.executable, "-c", THREADS], check=True)
-
-
+# A fork while a thread reads: its lock would stay locked in the child.
 READ = """
 import os, signal, threading, time, numpy as np, cellwalk as cw
 np.save("z.npy", np.zeros((20, 20), "float32"))
@@ -111,19 +109,7 @@ if os.fork() == 0:
 assert os.wait()[1] == 0
 """
 
-
-def test_fork_while_a_thread_reads(tmp_path):
-    """The reader's lock would stay locked in the child."""
-    subprocess.run([sys.executable, "-c", READ], check=True, cwd=tmp_path)
-
-
-def test_a_copy_lets_go_of_the_samples():
-    z = Z.copy()
-    given, field = weakref.ref(z), cw.Field(z, copy=True)
-    del z
-    assert given() is None and field.z.shape == Z.shape
-
-
+# Files may change while a field lives.
 CUT = """
 import os, sys, numpy as np, cellwalk as cw
 z = np.random.default_rng(1).normal(0, 9, (700, 600))
@@ -139,8 +125,9 @@ for dtype in ("<f4", "<f8"):
 """
 
 
-def test_files_may_change_while_a_field_lives(tmp_path):
-    subprocess.run([sys.executable, "-c", CUT], check=True, cwd=tmp_path)
+@pytest.mark.parametrize("code", [THREADS, READ, CUT], ids=["pools", "fork", "files"])
+def test_processes_of_their_own(code):
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_pickles_are_of_the_same_field(tmp_path):
@@ -236,14 +223,13 @@ def test_nothing_leaks():
 
 
 def test_samples_live_as_long_as_the_field():
+    """And that as long as hits of it; a field of a copy lets go of what it was given."""
     z = rough(holes=False)
-    wanted = cw.Field(z.copy()).at(5, 5)
-    field = cw.Field(z.copy())
+    field, h = cw.Field(z.copy()), cw.Field(z.copy()).closest([5, 5, 99], [0, 0, -1])
+    wanted, given, copied = cw.Field(z).at(5, 5), weakref.ref(z), cw.Field(z, copy=True)
+    del z
     gc.collect()
-    assert field.at(5, 5) == wanted
-    h = cw.Field(z.copy()).closest([5, 5, 99], [0, 0, -1])  # keeps its field
-    gc.collect()
-    assert h.points()[2] == wanted
+    assert given() is None and field.at(5, 5) == copied.at(5, 5) == h.points()[2] == wanted
 
 
 def test_sub_interpreters_are_refused():

@@ -42,11 +42,9 @@ def test_forms_agree(field, dtype):
     same(field.occluded(o, d, t0, t1), wanted.hit)
 
 
-shapes = hn.mutually_broadcastable_shapes(num_shapes=4, max_dims=3, max_side=4, min_side=0)
-
-
 @settings(deadline=None, max_examples=share(60))
-@given(shapes=shapes, seed=st.integers(0, 2**31), types=st.tuples(*[st.sampled_from(["f4", "f8", ">f4", "f2", "i4"])] * 4))
+@given(shapes=hn.mutually_broadcastable_shapes(num_shapes=4, max_dims=3, max_side=4, min_side=0), seed=st.integers(0, 2**31),
+       types=st.tuples(*[st.sampled_from(["f4", "f8", ">f4", "f2", "i4"])] * 4))
 def test_broadcasting(shapes, seed, types):
     random = np.random.default_rng(seed)
     o, d, t0, t1 = shapes.input_shapes

@@ -55,10 +55,6 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have sta
 # ---- runs ---------------------------------------------------------------------------------------------------------------
 
 
-class TracerCrashed(Exception):
-    """LeakSanitizer stops the program's threads to look at their memory when it ends, and crashed itself."""
-
-
 class Done:
     """How a run ended: 128 + the number of the signal that ended it, if one did. Lines that say what was written are in outcome."""
 
@@ -69,7 +65,7 @@ class Done:
         written = [line.startswith("cellwalk ") and line.endswith(" s\n") and re.search(" (samples|places?|days|pairs|rays|pixels)[ ,]", line) is not None for line in lines]
         self.err, self.outcome = ("".join(line for line, is_one in zip(lines, written) if is_one == wanted) for wanted in (False, True))
         if "LeakSanitizer has encountered a fatal error" in text:
-            raise TracerCrashed(text)
+            raise ChildProcessError(text)
         assert self.status != SANITIZER and "Sanitizer" not in text and "runtime error" not in text, text
 
 
@@ -115,7 +111,7 @@ def end(process):
 def run(*words, env=(), **setting):
     try:
         return end(start(*words, env=env, **setting))
-    except TracerCrashed:  # the status is lost with it: the same without a look for leaks
+    except ChildProcessError:  # stopping threads to look for leaks, LeakSanitizer crashed, and the status is lost: the same without
         return end(start(*words, env={**dict(env), "ASAN_OPTIONS": f"{SANITIZERS}:detect_leaks=0"}, **setting))
 
 
@@ -332,9 +328,9 @@ def info(*words, **setting):
     return json.loads(well("info", *words, "--json", **setting).out)
 
 
-def commands():
+def commands(help=None):
     """Subcommands that --help lists, each of which some tests have to try."""
-    return set(re.findall(r"^  (\S+) ", re.search(r"Commands:\n((?:  .*\n)+)", run("--help").out)[1], re.M))
+    return set(re.findall(r"^  (\S+) ", re.search(r"Commands:\n((?:  .*\n)+)", help or run("--help").out)[1], re.M))
 
 
 @functools.cache

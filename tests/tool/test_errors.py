@@ -16,8 +16,7 @@ LINES = r"""
 2 | RAYS.npy is missing | trace wall.npy
 2 | nothing to do | trace wall.npy rays.npy
 2 | 'hits.npy' is one argument too many | trace wall.npy rays.npy hits.npy
-2 | --output needs a value | trace wall.npy rays.npy -o
-2 | --output needs a value | trace wall.npy rays.npy -o ''
+2 | --output needs a value | trace wall.npy rays.npy -o {; ''}
 2 | unknown option -x~Try 'cellwalk trace --help'. | trace wall.npy rays.npy -x
 2 | --kernal; did you mean --kernel? | trace wall.npy rays.npy --kernal=cell
 2 | unknown option --any | trace wall.npy rays.npy --any
@@ -56,7 +55,6 @@ LINES = r"""
 2 | --cog goes with -o FILE.tif | shadow wall.npy --sun 0,9 --cog -o no.npy
 2 | --co goes with -o FILE.tif | shadow wall.npy --sun 0,9 --co A=B -o no.npy
 1 | so the sun's place at a time is not known; give --sun | {shadow;render} wall.npy --time 2024-06-21T12:00:00Z -o no.{npy;exr}
-2 | either --sun or --time | shadow wall.npy -o no.npy
 2 | --sun 0,91: the second number is the altitude, and 91 degrees is none; the azimuth is first | {shadow;render} wall.npy --sun 0,91 -o no.{npy;exr}
 2 | not 'noon' | {shadow;render} wall.npy --time noon -o no.{npy;exr}
 2 | --sun takes azimuth and altitude in degrees, as 225,30, not '0' | {shadow;render} wall.npy --sun 0 -o no.{npy;exr}
@@ -144,7 +142,7 @@ LINES = r"""
 2 | --haze takes a visibility in metres, above 0, not 0 | render wall.npy --haze 0 -o no.exr
 2 | --curvature takes a number from 0 on, not -1 | render wall.npy --curvature -1 --from 20,20 -o no.exr
 1 | the same place | render wall.npy --from 5,3,9 --to 5,3,9 -o no.exr
-2 | either --sun or --time | render wall.npy --time 2024-06-21T12:00:00Z --sun 0,9 -o no.exr
+2 | either --sun or --time | {shadow wall.npy -o no.npy;render wall.npy --time 2024-06-21T12:00:00Z --sun 0,9 -o no.exr}
 2 | give the eye's place by --from | render wall.npy --curvature 1 -o no.exr
 2 | --water is level and does not go with --curvature | render wall.npy --curvature 1 --from 20,20 --water 3 -o no.exr
 1 | lies outside | render wall.npy {;--curvature 1} --from -900,0 -o no.exr

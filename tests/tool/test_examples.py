@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from program import BENCH, PROGRAM, SCENE, SOURCE, asc, feature, geojson, library, on_map, rays, run, shell, takes, vrt, write
+from program import BENCH, PROGRAM, SCENE, SOURCE, asc, commands, feature, geojson, library, on_map, rays, run, shell, takes, vrt, write
 
 NAMES = {"cellwalk": PROGRAM, "cellwalk-bench": BENCH}
 
@@ -43,17 +43,13 @@ def sh(line):
     return shell(f"PATH={os.getcwd()}/bin:$PATH; {line}")
 
 
-def subcommands(help):
-    return re.findall(r"\n  (\S+) ", re.search(r"Commands:((?:\n  .*)+)", help).group(1))
-
-
 @pytest.mark.parametrize("program", NAMES)
 def test_examples(program):
     """Each line that begins with the program's name, or has it behind a gap; lines that end in a backslash go on. Formats may be missing."""
     lacking = [ending for ending, name in {".tif": "GDAL", ".gpkg": "GDAL", ".exr": "OpenEXR", ".png": "libpng"}.items() if not library(name)]
     help = sh(f"{program} --help").stdout
     texts = [help.replace("X,Y", "600250,5199800")]  # stands for a place
-    texts += [sh(f"{program} {name} --help").stdout.partition("\nExamples:\n")[2] for name in subcommands(help)]
+    texts += [sh(f"{program} {name} --help").stdout.partition("\nExamples:\n")[2] for name in sorted(commands(help))]
     for text in texts:
         lines = re.findall(rf"(?<=  ){program} .*", text.replace("\\\n", ""))
         assert lines
@@ -73,7 +69,7 @@ def test_examples(program):
 @pytest.mark.parametrize("program", NAMES)
 def test_helps_fit(program):
     helps = [sh(f"{program} --help").stdout]
-    names = subcommands(helps[0])
+    names = commands(helps[0])
     helps += [sh(f"{program} {name} --help").stdout for name in names]
     assert len(names) >= 2 and all("\nOptions:\n" in text for text in helps[1:])
     assert max(len(line) for text in helps for line in text.splitlines()) <= 80
@@ -85,7 +81,7 @@ def test_map_fits_a_screen():
     """Without arguments: all that the program can do, with a task for each command, on a screen of 24 lines."""
     done = run()
     assert done.status != 0 and done.err.count("\n") <= 24
-    tasks, names = done.err.partition("By task")[2], subcommands(done.err)
+    tasks, names = done.err.partition("By task")[2], commands(done.err)
     assert len(names) > 5 and all(f" cellwalk {name} dem.tif" in tasks for name in names)
     for value in "0", "10.5", "nan", "0.1x":  # a bound of real numbers is told by its range
         done = sh(f"cellwalk-bench measure --width {value}")

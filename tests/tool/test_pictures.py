@@ -5,9 +5,8 @@ import re
 
 import numpy as np
 import pytest
-from program import SCENE, as_half, asc, close, exr, needs, on_map, picture, read, run, vrt, wall, well, write
+from program import SCENE, as_half, asc, close, exr, on_map, picture, read, run, vrt, wall, well, write
 
-pytestmark = pytest.mark.usefixtures("openexr")
 NX, NY, SIDE = 60, 50, 60
 MAP = "--cellsize", 10
 # Level land of 590 x 490 m, samples 10 m apart, and with a wall of 40 m along row 20, which is at y = 290. From 1000 m above its middle a pixel of a
@@ -20,11 +19,6 @@ HORIZON, ZENITH, PLAIN, DEPTH = np.array([[0.70, 0.80, 0.93], [0.16, 0.34, 0.70]
 LEVEL = SUN * 0.5 + SKY  # of level ground, with the sun 30 degrees high
 Y, X = np.mgrid[:SIDE, :SIDE]
 WAY = np.sqrt(1e6 + (10 * (X - 29.5)) ** 2 + (10 * (Y - 29.5)) ** 2)  # to the ground in the middle of a pixel
-
-
-@pytest.fixture(scope="module")
-def openexr():
-    needs("OpenEXR")
 
 
 @pytest.fixture(autouse=True)

@@ -3,7 +3,7 @@
 windows."""
 import numpy as np
 import pytest
-from program import asc, library, needs, on_map, refused, run, sets, taken, takes, vrt
+from program import array, asc, library, needs, on_map, refused, sets, taken, takes, vrt
 
 NX, NY = 300, 260
 UTM, DEGREES = on_map(32632, 600000, 10, 0, 5200000, 0, -10), on_map(4326, 7, 0.0003, 0, 47, 0, -0.0002)
@@ -25,9 +25,7 @@ def land(folder):
 
 
 def product(file, command, *words, **setting):
-    done = run(command, file, *words, *(("--cellsize", 10) if file.endswith(".npy") else ()), "-o", "out.npy", **setting)
-    assert done.status == 0, done.err
-    return np.load("out.npy")
+    return array(command, file, *words, *(("--cellsize", 10) if file.endswith(".npy") else ()), **setting)
 
 
 def same(file, words, *more, at=np.s_[...], whole=None):
