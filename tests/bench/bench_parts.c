@@ -163,7 +163,6 @@ static const cw_ray down = {.org = {0.5f, 0.25f, 1}, .dir = {0, 0, -1}, .tmax = 
 static const cw_hit inside = {.t = 1, .u = 0.25f, .v = 0.25f};
 
 static void closest_finds(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits) {
-    (void)self, (void)rays;
     for (size_t k = 0; k < n; k++) hits[k] = inside;
 }
 

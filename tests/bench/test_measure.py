@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cellwalk-bench measure and table from beginning to end, on little work. No test looks at how long anything took."""
+"""cellwalk-bench measure and table from beginning to end, on little work, and the guard's reading of callgrind's profiles and of its own
+figures, and its verdicts. No test looks at how long anything took."""
 import json
 import os
 import pathlib
 import subprocess
+import sys
 
 import numpy as np
 import pytest
 
 BENCH = os.environ["CELLWALK_BENCH"]
-PLANS = pathlib.Path(os.environ["CELLWALK_SOURCE"]) / "bench" / "plans"
+FOLDER = pathlib.Path(os.environ["CELLWALK_SOURCE"]) / "bench"
+PLANS = FOLDER / "plans"
+sys.path.insert(0, str(FOLDER / "instructions"))
+import guard  # noqa: E402
+
 WIDE = ["--width", "10", "--count", "4096", "--seconds", "100000"]  # the intervals of seven rounds are narrow, however long these take
 
 
@@ -25,11 +31,6 @@ def measure(folder, plan, *words, status=0):
     lines = [json.loads(line) for line in (folder / "out.jsonl").read_text().splitlines()]
     assert lines[0]["kind"] == "run" and lines[0]["commit"] and "load" in lines[0]
     return done, [line for line in lines if line["kind"] == "result"]
-
-
-def has_embree(folder):
-    _, (line,) = measure(folder, "65/primary embree:w8 agree\n")
-    return "left_out" not in line
 
 
 def by_name(lines):
@@ -66,9 +67,9 @@ def test_errors_of_leaf_tests_and_coarser_land(tmp_path):
 
 
 def test_embree_agrees_and_its_fastest_width_is_marked(tmp_path):
-    if not has_embree(tmp_path):
-        pytest.skip("built without Embree")
     _, lines = measure(tmp_path, "257/ao,bounce default,embree,embree:grid:w8 time\n")
+    if any("left_out" in line for line in lines):
+        pytest.skip("built without Embree")
     for work in ("ao", "bounce"):
         peers = [line for line in lines if line["group"] == "embree" and line["item"] == work]
         assert len(peers) == 4 and sum(line["best_of_group"] for line in peers) == 1
@@ -182,3 +183,59 @@ def test_contenders_that_cannot_run_are_left_out(tmp_path):
     (tmp_path / "my.plan").write_text("65/primary default,packet8 time\n")
     done = run("measure", tmp_path / "my.plan", *WIDE, env={**os.environ, "CELLWALK_ISA": "scalar"})
     assert "left out: needs an instruction set" in done.stdout and "pyramid" not in done.stderr
+
+
+# ---- the guard against slow-downs -----------------------------------------------------------------------------------------
+
+PROFILE = """version: 1
+part: 1
+ob=/some/where/work
+fn=a
+10 100
+calls=1 20
+11 5000
+12 7
+ob=/lib/libm.so
+1 900
+part: 2
+ob=/some/where/work
+10 55
+""".splitlines()
+
+
+def test_only_the_programs_own_code_counts_once():
+    assert guard.counts(PROFILE, "work") == [107, 55]
+
+
+def test_parts_go_to_runs_in_order():
+    lines = ['{"kind": "run"}', '{"workload": "65/primary", "contender": "cell", "counted": 16}',
+             '{"workload": "65/ao", "contender": "packet16", "left_out": "why"}', '{"workload": "65/ao", "contender": "cell", "counted": 8}']
+    found, absent = guard.join(lines, [107, 55])
+    assert found == {"65/primary,cell": (16, 107), "65/ao,cell": (8, 55)} and absent == {"65/ao,packet16"}
+    with pytest.raises(SystemExit, match="counted nothing"):
+        guard.join(lines, [107, 0])
+
+
+@pytest.mark.parametrize("now, absent, sentences, bad", [
+    ({"a": (8, 1000), "b": (8, 1000)}, set(), 0, False),
+    ({"a": (8, 1020), "b": (8, 980)}, set(), 0, False),
+    ({"a": (8, 1021), "b": (8, 1000)}, set(), 1, True),
+    ({"a": (8, 1000), "b": (8, 979)}, set(), 1, False),
+    ({"a": (9, 1000), "b": (8, 1000)}, set(), 1, True),
+    ({"a": (8, 1000), "b": (8, 1000), "c": (8, 1)}, set(), 1, True),
+    ({"a": (8, 1000)}, set(), 1, True),
+    ({"a": (8, 1000)}, {"b"}, 0, False),
+])
+def test_verdicts(now, absent, sentences, bad):
+    committed = {"a": (8, 1000), "b": (8, 1000)}
+    found, is_bad = guard.compare(committed, now, absent)
+    assert len(found) == sentences and is_bad == bad
+
+
+def test_figures_are_read_and_a_damaged_line_is_named(tmp_path):
+    path = tmp_path / "guard.csv"
+    path.write_text(f"# a note\n# compiler: GNU 12\n# flags: -O3 -x\n{guard.HEADING}\n65/ao,cell:watertight,8,55\n")
+    assert guard.read(path) == ("GNU 12", "-O3 -x", {"65/ao,cell:watertight": (8, 55)})
+    path.write_text(path.read_text() + "65/ao,cell:watertight,8,-\n")
+    with pytest.raises(SystemExit, match="guard.csv:6: not a line of figures"):
+        guard.read(path)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Answers judged by the exact oracle: no leak, no phantom, no wrong surface. exact PATTERN…
- * runs the rows of the tables whose names match; tests/CMakeLists.txt makes tests of them:
+ * runs the rows of the tables whose names match:
  *  - "rays …", a row a class of rays: every kernel and leaf test on fields of every shape and size.
  *  - "extreme …", named extremes (exact_extremes.c).
  *  - "all …": every field of 2 × 2, 2 × 3 and 3 × 2 samples with heights 0, 1, 2 or a hole, and of 3 × 3 with heights 0, 1, 2, against

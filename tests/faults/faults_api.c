@@ -93,10 +93,7 @@ static void what_is_made_is_made_whole(void **state) {
     print_message("%lu faults\n", injections);
 }
 
-static bool go_on(void *context, double done) {
-    (void)context, (void)done;
-    return true;
-}
+static bool go_on(void *context, double done) { return true; }
 
 static void queries_ask_for_nothing(void **state) {
     cw_field *field = calls_begin(&land, NULL);

@@ -20,11 +20,7 @@ static unsigned long long rays_done, answers_done;
 
 static void tell(void) { fprintf(stderr, "rays: %llu\npairs: %llu\n", rays_done, answers_done); }
 
-int LLVMFuzzerInitialize(int *count, char ***arguments);
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
 int LLVMFuzzerInitialize(int *count, char ***arguments) {
-    (void)count, (void)arguments;
     cw_reference_add();
     atexit(tell);
     return 0;

@@ -12,8 +12,6 @@
 #include <string.h>
 #include <unistd.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
 /* Files lie in a folder in memory, and scenes find their own there. */
 static char folder[] = "/dev/shm/cellwalk-fuzz-XXXXXX";
 static const char *const names[] = {"field.npy", "rays.npy", "points.csv", "a.exr", "scene.pbrt", "a.pbrt", "b.pbrt"};
@@ -38,7 +36,7 @@ static const char *put(int name, const uint8_t *data, size_t size) {
 
 static volatile double sum;
 
-static void pass_over(void *context, const char *text) { (void)context, (void)text; }
+static void pass_over(void *context, const char *text) {}
 
 /* The input's last byte is also what the reader is told beside the file. */
 static void read_field(const uint8_t *data, size_t size) {

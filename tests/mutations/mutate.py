@@ -74,10 +74,8 @@ class Build:
         """Whether the test notices something."""
         def limit():
             resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS))
-        folder, command = self.folder / "tests", [self.folder / f"tests/test_{test}"]
-        if programs_of(test):
-            command = ["ctest", "-R", f"^{test}$", "--no-tests=error"]
-        return run(command, cwd=folder, env=dict(os.environ, CELLWALK_TEST_DIVIDE=str(divide)), preexec_fn=limit).returncode != 0
+        command = ["ctest", "-R", f"^{test}$", "--no-tests=error"]
+        return run(command, cwd=self.folder / "tests", env=dict(os.environ, CELLWALK_TEST_DIVIDE=str(divide)), preexec_fn=limit).returncode != 0
 
     def plant(self, fault):
         """The test that catches it, or None."""

@@ -93,7 +93,6 @@ static void watch_closest(void *context, size_t field, const cw_ray *rays, size_
 }
 
 static void watch_any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    (void)context;
     count_rays(field, rays, n);
     cw_occluded(scene_field(loaded, field), NULL, rays, n, occluded);
 }

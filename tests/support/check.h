@@ -4,6 +4,7 @@
 #define CELLWALK_TESTS_CHECK_H
 
 #include "cellwalk.h"
+#include "reference.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,6 +16,9 @@
 
 #pragma GCC diagnostic ignored                                                                                         \
     "-Wunused-parameter" /* tests, rows and what is called back have one form, and need not use all of it */
+
+/* Every test in C tries the reference kernels like all others. */
+__attribute__((constructor)) static void add_reference(void) { cw_reference_add(); }
 
 /* Ends the test unless truth holds; the rest is printf's. */
 __attribute__((format(printf, 2, 3))) static inline void check(bool truth, const char *format, ...) {
@@ -38,13 +42,8 @@ static inline size_t test_number(const char *variable, size_t least) {
  * for, each time with other numbers. */
 static inline size_t test_rounds(void) { return test_number("CELLWALK_TEST_ROUNDS", 1); }
 
-/* Slow builds, such as sanitized ones, define it to a larger number (register.cmake). */
-#ifndef TEST_SCALE_DOWN
-#define TEST_SCALE_DOWN 1
-#endif
-
-/* What tests divide their rays by where machine or build are slow, or where they have run in full elsewhere: that, times the
- * environment variable CELLWALK_TEST_DIVIDE. */
+/* What tests divide their rays by where machine or build are slow (register.cmake), or where they have run in full elsewhere: that, times
+ * the environment variable CELLWALK_TEST_DIVIDE. */
 static inline size_t test_divisor(void) {
     size_t slow = TEST_SCALE_DOWN * test_number("CELLWALK_TEST_DIVIDE", 1);
 #ifdef CELLWALK_EMULATES_AVX512 /* where the machine has it, emulated kernels only have to show that emulation works */

@@ -21,7 +21,7 @@ if(CMAKE_SCRIPT_MODE_FILE) # run in the project's folder, so that no path is rec
 endif()
 
 function(cellwalk_count name rounds program)
-    set(tests test_${program}_avx512_emulated test_${program})
+    set(tests test_${program}_emulated test_${program})
     if(EXISTS /proc/cpuinfo)
         file(STRINGS /proc/cpuinfo avx512 REGEX "avx512dq" LIMIT_COUNT 1)
         if(avx512)

@@ -6,6 +6,7 @@
 #include "cellwalk_expert.h"
 #include "fpenv.h"
 #include "pyramid.h"
+#include "reference.h"
 #include "words.h"
 
 #include "library_terrain.h"
@@ -282,6 +283,7 @@ static int obey(char **words, io_error *e) {
 }
 
 int main(int argc, char **argv) {
+    cw_reference_add();
     const int done = words_run(argc, argv, obey);
     while (kept_count > 0) free(kept[--kept_count]);
     return done;

@@ -60,13 +60,8 @@ function(cellwalk_register name)
         list(APPEND test_LABELS once)
     endif()
     add_test(NAME ${name} COMMAND ${test_COMMAND} WORKING_DIRECTORY ${test_IN})
-    set_tests_properties(${name} PROPERTIES TIMEOUT 900) # a hang, not a slow or busy machine
-    foreach(property IN ITEMS "LABELS;LABELS" "ENVIRONMENT;ENVIRONMENT" "SECONDS;COST")
-        list(POP_FRONT property from)
-        if(test_${from})
-            set_tests_properties(${name} PROPERTIES ${property} "${test_${from}}")
-        endif()
-    endforeach()
+    # What takes so long hangs; it is not a slow or busy machine.
+    set_tests_properties(${name} PROPERTIES TIMEOUT 900 LABELS "${test_LABELS}" ENVIRONMENT "${test_ENVIRONMENT}" COST "${test_SECONDS}")
     if(test_SKIPS STREQUAL 77)
         set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
     elseif(test_SKIPS)
@@ -96,11 +91,9 @@ endif()
 #                   NAME_avx512_emulated (emulated.cmake) with one ray in that many where it makes rays by the number; 0: none
 #   TWIN            the twin has the label emulated; other twins have the label long. The target of that name builds it, all does
 #                   not, and the preset of that name runs it
-#   PARTS "test n pattern…"…   tests of these names run the program's rows that match the patterns (paths.h) and take n seconds; there
-#                   is no test NAME
 #   SECONDS n       as above
 function(cellwalk_test folder name)
-    cmake_parse_arguments(PARSE_ARGV 2 row "TWIN" "KERNELS;SECONDS" "SOURCES;LINKS;NEEDS;DEFINES;PARTS")
+    cmake_parse_arguments(PARSE_ARGV 2 row "TWIN" "KERNELS;SECONDS" "SOURCES;LINKS;NEEDS;DEFINES")
     if(row_UNPARSED_ARGUMENTS OR NOT row_SOURCES)
         message(FATAL_ERROR "${name}: ${row_UNPARSED_ARGUMENTS} is none of a row's words, or sources are missing")
     endif()
@@ -109,34 +102,26 @@ function(cellwalk_test folder name)
     if(DEFINED row_KERNELS)
         list(APPEND labels kernels)
     endif()
-    set(parts ${row_PARTS})
-    if(NOT parts)
-        set(parts "${name} ${row_SECONDS} ")
-    endif()
-    foreach(part IN LISTS parts)
-        string(REGEX MATCH "^([^ ]+) ([0-9]*) (.*)$" part "${part}")
-        set(patterns ${CMAKE_MATCH_3})
-        cellwalk_register(${CMAKE_MATCH_1} COMMAND test_${name} ${patterns} NEEDS cmocka ${row_NEEDS} LABELS ${labels}
-            SECONDS ${CMAKE_MATCH_2} RESULT possible)
-    endforeach()
+    cellwalk_register(${name} COMMAND test_${name} NEEDS cmocka ${row_NEEDS} LABELS ${labels} SECONDS ${row_SECONDS} RESULT possible)
     if(possible)
-        cellwalk_add_program(${name} ${row_LINKS})
+        add_executable(test_${name} ${row_SOURCES})
+        target_include_directories(test_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
+        target_link_libraries(test_${name} PRIVATE ${row_LINKS} cellwalk_test_support cellwalk_flags)
+        target_compile_definitions(test_${name} PRIVATE ${row_DEFINES})
         if(folder MATCHES "^(core|io|scene|terrain|faults)$")
             add_dependencies(tests_of_libraries test_${name})
         endif()
     endif()
     if(row_KERNELS)
-        set(twin ${name}_avx512_emulated)
         set(kind long)
         if(row_TWIN)
             set(kind emulated)
         endif()
-        cellwalk_register(${twin} COMMAND test_${twin} NEEDS cmocka ${row_NEEDS} emulation LABELS ${kind} SECONDS ${row_SECONDS}
+        cellwalk_register(${name}_avx512_emulated COMMAND test_${name}_emulated NEEDS cmocka ${row_NEEDS} emulation LABELS ${kind} SECONDS ${row_SECONDS}
             ENVIRONMENT CELLWALK_TEST_DIVIDE=${row_KERNELS} RESULT possible)
         if(possible)
-            cellwalk_add_program(${twin} cellwalk_emulated ${row_LINKS})
-            set_target_properties(test_${twin} PROPERTIES EXCLUDE_FROM_ALL ON)
-            add_dependencies(${kind} test_${twin})
+            cellwalk_emulated_twin(test_${name})
+            add_dependencies(${kind} test_${name}_emulated)
         endif()
     endif()
 endfunction()
@@ -146,16 +131,6 @@ add_custom_target(tests_of_libraries)
 # What only the presets emulated and long run.
 add_custom_target(emulated)
 add_custom_target(long)
-
-# Takes the row from cellwalk_test.
-function(cellwalk_add_program name)
-    set(target test_${name})
-    add_executable(${target} ${row_SOURCES})
-    target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
-    target_link_libraries(${target} PRIVATE ${ARGN} cellwalk_test_support cellwalk_flags)
-    # An emulator's memory is its own, and QEMU 7.2 fails where a forked child starts threads.
-    target_compile_definitions(${target} PRIVATE TEST_SCALE_DOWN=${scale_down} ${row_DEFINES} $<$<BOOL:${CMAKE_CROSSCOMPILING}>:TEST_IN_EMULATOR>)
-endfunction()
 
 # A row for FOLDER/test_NAME.py: the test FOLDER_NAME, with FOLDER as label, which NEEDS pytest and needs_FOLDER, and in its ENVIRONMENT has
 # that of all (CMakeLists.txt).

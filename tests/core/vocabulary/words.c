@@ -10,41 +10,29 @@
 
 /* Lanes lie in vectors as in memory, which makes these independent of the words that load and store. Masks have no such form:
  * vm_from_bits and vm_bits carry them. */
-static inline vfloat get_floats(const float *from) {
-    vfloat a;
-    memcpy(&a, from, sizeof a);
-    return a;
-}
-static inline vint get_ints(const int32_t *from) {
-    vint a;
-    memcpy(&a, from, sizeof a);
-    return a;
-}
-static inline vdouble get_doubles(const double *from) {
-    vdouble a;
-    memcpy(&a, from, sizeof a);
-    return a;
-}
+#define CARRY(vector, lane, name)                                                                                      \
+    _Static_assert(sizeof(vector) == sizeof(lane[LANES]), "vectors hold more than their lanes");                       \
+    static inline void put_##name(lane *to, vector a) { memcpy(to, &a, sizeof a); }                                    \
+    static inline vector get_##name(const lane *from) {                                                                \
+        vector a;                                                                                                      \
+        memcpy(&a, from, sizeof a);                                                                                    \
+        return a;                                                                                                      \
+    }
+CARRY(vfloat, float, floats)
+CARRY(vint, int32_t, ints)
+CARRY(vdouble, double, doubles)
 static inline vmask get_mask(const bool *from) {
     unsigned bits = 0;
     for (unsigned k = 0; k < LANES; k++) bits |= (unsigned)from[k] << k;
     return vm_from_bits(bits);
 }
-static inline void put_floats(float *to, vfloat a) { memcpy(to, &a, sizeof a); }
-static inline void put_ints(int32_t *to, vint a) { memcpy(to, &a, sizeof a); }
-static inline void put_doubles(double *to, vdouble a) { memcpy(to, &a, sizeof a); }
 static inline void put_mask(uint8_t *to, vmask a) {
     const unsigned bits = vm_bits(a);
     for (unsigned k = 0; k < LANES; k++) to[k] = bits >> k & 1;
 }
-_Static_assert(sizeof(vfloat) == sizeof(float[LANES]) && sizeof(vint) == sizeof(int32_t[LANES]) &&
-                   sizeof(vdouble) == sizeof(double[LANES]),
-               "vectors hold more than their lanes");
 
 /* A place in memory with room for the rows of a block on both sides, not aligned. */
 static inline const float *block(const word_in *in) { return in->memory + 66; }
-/* The number of the vector in a block, or of the lane if that is all there is. */
-#define BLOCK_PART (LANES == 1 ? in->block_lane + at : in->block_vector)
 
 #define FLOATS(operand)    get_floats(in->operand + at)
 #define INTS(operand)      get_ints(in->operand + at)

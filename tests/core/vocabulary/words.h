@@ -34,8 +34,7 @@ typedef struct word_in {
     size_t count;  /* for the first lane; each lane's is one less than that of the lane before, but at least 0 */
     unsigned lane; /* bit k is lane k's */
     bool up;
-    size_t block_vector; /* W lanes each; below 16 / W */
-    size_t block_lane;   /* number of the first lane in the block: block_vector W */
+    size_t block_lane; /* number of the first lane in the block of 16: a multiple of W */
     int32_t table[WORD_TABLE];
     const float *memory; /* 4 floats for each index, aligned to 16 bytes */
 } word_in;

@@ -74,5 +74,5 @@ WORD(vd_div, GIVES_NUMBERS, TO_DOUBLES(vd_div(DOUBLES(0), DOUBLES(1))))
 WORD(vd_min, GIVES_BITS, TO_DOUBLES(vd_min(DOUBLES(0), DOUBLES(1))))
 WORD(vd_max, GIVES_BITS, TO_DOUBLES(vd_max(DOUBLES(0), DOUBLES(1))))
 WORD(vd_select, GIVES_BITS, TO_DOUBLES(vd_select(MASK(0), DOUBLES(0), DOUBLES(1))))
-WORD(vf_load_block, GIVES_BITS, TO_FLOATS(vf_load_block(block(in), in->up ? 8 : -8, BLOCK_PART)))
+WORD(vf_load_block, GIVES_BITS, TO_FLOATS(vf_load_block(block(in), in->up ? 8 : -8, (in->block_lane + at) / LANES)))
 /* clang-format on */
