@@ -238,8 +238,8 @@ def test_bounds_are_those_of_the_samples(library, size):
     exactly their lowest and highest samples, slabs above tiles have all within them: those of smaller nodes are made in float, so samples may be
     beyond them by rounding, for which rays have a pad."""
     nx, ny, gap = size
-    r, leaning = np.random.default_rng(5), 0
-    for kind in each_kind(size):
+    r, leaning, kinds = np.random.default_rng(5), 0, each_kind(size)
+    for kind in kinds:
         z, level, levels = heights(kind, (ny, nx), r), 0, 1
         field = library.field(z)
         while level < levels:
@@ -261,7 +261,7 @@ def test_bounds_are_those_of_the_samples(library, size):
                 assert not ((above < low) | (above > top)).any(), (kind, level, x, y)
                 leaning += slope_x != 0
             level += 1
-    assert leaning > 2 or nx < 700
+    assert leaning > 2 or nx < 700 or "land" not in kinds
 
 
 # ---- the caller's floating-point environment -------------------------------------------------------------------------------------
