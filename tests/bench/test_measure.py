@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cellwalk-bench measure and table from beginning to end, on little work, and the guard's reading of callgrind's profiles and of its own
-figures, and its verdicts. No test looks at how long anything took."""
+"""Runs of cellwalk-bench measure and table on small fields; how the guard reads callgrind's profiles and guard.csv, and its verdicts. No test
+depends on how long anything took."""
 import json
 import os
 import pathlib

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from library import HEADERS, HIT, NOTHING, RAY, SOURCE, USER_RAY, Room, random_rays
 
-# Shear, rotation and a far origin; mirrored, so that orientation is not taken for granted. Turned, scaled and far off, with upright heights.
+# MIRRORED shears and turns x and y and reverses z. FAR turns and scales, with its origin millions of units away.
 MIRRORED = np.array([[2, -0.5, 0.125, 300], [0.75, 3, 0, -20], [0.25, 0, -1.5, 7]])
 FAR = np.array([[30, -5, 0, 3e6], [4, 31, 0, -7e6], [0.5, 0.25, 2, 100]])
 LONG = np.longdouble

@@ -299,7 +299,7 @@ class Lands(Library):
         return self.well("cw_lines_of_sight", self.land_now, None, float(curvature), lines, len(lines), Room(STRUCTS["cw_sight_answer"], len(lines)))
 
     def round(self, place, height, absolute=1, target=0, curvature=0, farthest=0):
-        """From a place in field coordinates: what is seen, what is needed, the eye, the earth's fall."""
+        """A viewshed from a place in field coordinates: which samples are seen, the heights needed, the eye, and how fast the earth falls away."""
         desc = struct("viewshed_desc", place=place, height=height, absolute=absolute, target_height=target, curvature=curvature)
         desc["limits"]["farthest"] = farthest
         bounds = int(self.well("cw_terrain_bounds", self.land_now, Room("u8"))[0])

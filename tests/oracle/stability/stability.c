@@ -198,7 +198,7 @@ static void make_batch(uint64_t number) {
     }
 }
 
-/* Counts, and tells of the first ones. Other rules may have faults. */
+/* Counts a fault and prints the first eight. Contenders that promise less than cell may have faults. */
 static void fault(const tested *t, size_t k, const cw_hit *hit, const char *what) {
     if (t->role > SAME_BITS || faults++ >= 8) return;
     printf("%s: %s, field %zu, class %s, start %d, batch %llu, ray %zu\n", t->on[0].name, what,
