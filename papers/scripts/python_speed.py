@@ -58,7 +58,7 @@ contenders = {
     "closest(origins, directions), float32": lambda: timed(lambda: field.closest(org, dirs)),
     "closest(origins, directions), float64 on a map": lambda: timed(lambda: mapped.closest(uorg, udirs)),
     "closest(rays), float64 on a map": lambda: timed(lambda: mapped.closest(user)),
-    "any(rays), float32": lambda: timed(lambda: field.occluded(rays)),
+    "occluded(rays), float32": lambda: timed(lambda: field.occluded(rays)),
 }
 wanted = field.closest(rays)
 assert (field.closest(org, dirs).t == wanted.t).all()

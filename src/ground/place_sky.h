@@ -48,7 +48,7 @@ place_horizon place_horizon_toward(sight *s, double azimuth, double max_distance
 typedef struct sun_day_desc {
     sun_place place;
     double step;         /* seconds between two places of the sun, which stands in the middle of each */
-    double linke;        /* turbidity (clear_sky.h) */
+    double linke;        /* turbidity (sun.h) */
     unsigned sky;        /* directions of the sky-view factor for diffuse light */
     double tilt, facing; /* of what the light falls on, in degrees: 0 is level, and facing is where it leans to */
     double max_distance; /* metres, beyond which no terrain counts; 0: no limit */
@@ -62,7 +62,7 @@ typedef struct sun_day {
     double diffuse, free_diffuse;
 } sun_day;
 
-/* Shares of the sky's light on a surface that leans so, as horizon_sky_view_tilted has them. */
+/* Shares of the sky's light on a surface that leans so, as horizon.c has it for tilted ground. */
 double sun_sky_share(sight *s, const sun_day_desc *d);
 
 /* How the ground leans at the sample next to field coordinates: tilt and facing. False if memory is short. */

@@ -10,7 +10,7 @@ typedef struct every_call {
     size_t stack; /* bytes of it that the headers promise */
     /* On the field that calls_begin has made. CW_OK if all went as it should. */
     cw_status (*make)(const cw_run *run);
-    bool unwatched; /* no watch is called, or terrain/areas.c looks at it */
+    bool unwatched; /* no watch is called, or terrain/test_areas.py looks at it */
     bool allocates; /* memory or threads; others must not */
 } every_call;
 

@@ -31,7 +31,7 @@ function(cellwalk_count name rounds program)
     foreach(test IN LISTS tests)
         if(TARGET ${test})
             add_custom_target(stability-${name} COMMAND ${CMAKE_COMMAND} "-DRUN=$<TARGET_FILE:${test}>;${ARGN}" -DROUNDS=${rounds}
-                -DCOMMAND=${program} -DFILE=papers/data/stability/${name}.json -P ${CMAKE_CURRENT_FUNCTION_LIST_FILE}
+                -DCOMMAND=stability-${name} -DFILE=papers/data/stability/${name}.json -P ${CMAKE_CURRENT_FUNCTION_LIST_FILE}
                 WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
             add_dependencies(stability-${name} ${test})
             return()

@@ -76,7 +76,7 @@ typedef struct reach_horizons {
     size_t *best;
 } reach_horizons;
 
-/* All blocks must have been taken, and stay. curvature is that of horizon.h. above_level: what is not above the level of a sample
+/* All blocks must have been taken, and stay. curvature as in cellwalk_terrain.h. above_level: what is not above the level of a sample
  * does not count for it, as in the sky view. */
 cw_status cw_reach_horizons_create(const reach_blocks *blocks, cw_rectangle window, double curvature, bool above_level,
                                    reach_horizons *horizons);
