@@ -83,8 +83,8 @@ static inline float_reg rf_load_quarters(const float *const *at, size_t step) {
 }
 
 /* Each pair as one 8-byte load; shuffles then separate the two floats. CPUs that split a gather into dozens of
- * operations take less time for both vectors this way than for one gather. So do those with AVX-512. An integer load: _mm_load_sd would claim that a double
- * lies there, aligned. */
+ * operations take less time for both vectors this way than for one gather, and other CPUs no more. An integer load: _mm_load_sd would
+ * claim that a double lies there, aligned. */
 CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, float_reg *first, float_reg *second) {
     const lane_indices at = lanes_out(index, m);
     __m128 q[2][W / 4]; /* lanes 4 h and 4 h + 1; the two after them */

@@ -276,6 +276,10 @@ bool ground_plan_survey(ground_plan *p, ground *g, io_error *error) {
     const double most = fmin(0.5 * room(g), 1e8) / sizeof(float); /* samples */
     const size_t rows = (size_t)fmin(fmax(most / (double)g->about.nx / REACH_BLOCK, 1), 8);
     if (!has_blocks(p)) return true;
+    if (g->about.z) {
+        cw_reach_blocks_take(&p->blocks, ground_all(g), g->about.z);
+        return true;
+    }
     for (size_t y = 0; y < p->blocks.down; y += rows) {
         const size_t end = p->blocks.down - y < rows ? p->blocks.down : y + rows;
         const cw_rectangle all = find_wanted(p, y, end);

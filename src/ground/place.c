@@ -140,9 +140,9 @@ static bool put_between(io_points *o, const io_place *a, double before, double l
 /* Observers along the lines of which the places are corners. */
 static bool put_along(io_points *o, const io_points *corners, double every, const terrain *t, io_error *error) {
     double before = 0, step = 0;
+    char text[IO_PLACE_ROOM];
     for (size_t k = 0; k + 1 < corners->count; k++) {
         const io_place *a = &corners->list[k], *b = a + 1;
-        char text[IO_PLACE_ROOM];
         if (a->part != b->part) {
             before = step = 0;
             continue;
@@ -155,7 +155,7 @@ static bool put_along(io_points *o, const io_points *corners, double every, cons
         if (!put_between(o, a, before, length, every, &step, error)) return false;
         before += length;
     }
-    return o->count > 0 || io_fail(error, "%s: a line has two corners or more", corners->list[0].text);
+    return o->count > 0 || io_fail(error, "%s: a line has two corners or more", io_place_text(&corners->list[0], text));
 }
 
 bool observers_find(io_points *o, const observers_from *from, const ground *g, io_error *error) {

@@ -65,6 +65,7 @@ bool io_place_take(const io_table *t, size_t row, size_t x, size_t y, size_t hei
     p->number = t->lines[row];
     p->along = NAN;
     if (name < t->columns) snprintf(p->name, sizeof p->name, "%s", t->cells[row * t->columns + name]);
+    tidy(p->name, sizeof p->name);
     return io_table_number(t, row, x, &p->x, error) && io_table_number(t, row, y, &p->y, error) &&
            (height >= t->columns || io_table_height(t, row, height, &p->z, &p->absolute, error));
 }

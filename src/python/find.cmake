@@ -1,4 +1,4 @@
-# Python 3.11 or later with headers, NumPy and cffi: the system's before any other, since Debian's modules belong to it. Python3_EXECUTABLE
+# Python 3.11 or later with headers and cffi: the system's before any other, since Debian's modules belong to it. Python3_EXECUTABLE
 # chooses another. Sets cellwalk_python_default, and says why where the module is not built by default.
 set(cellwalk_python_default OFF)
 if(NOT DEFINED Python3_EXECUTABLE AND EXISTS /usr/bin/python3 AND NOT CMAKE_CROSSCOMPILING)
@@ -13,9 +13,9 @@ else()
     if(NOT Python3_Development.Module_FOUND)
         set(cellwalk_no_python "Python 3.11 or later with headers (Debian: python3-dev) not found")
     else()
-        execute_process(COMMAND ${Python3_EXECUTABLE} -c "import cffi, numpy" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET)
+        execute_process(COMMAND ${Python3_EXECUTABLE} -c "import cffi" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET)
         if(missing)
-            set(cellwalk_no_python "cffi or NumPy (Debian: python3-cffi, python3-numpy) not found for ${Python3_EXECUTABLE}")
+            set(cellwalk_no_python "cffi (Debian: python3-cffi) not found for ${Python3_EXECUTABLE}")
         else()
             set(cellwalk_python_default ${PROJECT_IS_TOP_LEVEL})
         endif()

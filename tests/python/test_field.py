@@ -71,6 +71,19 @@ def test_update_is_a_new_field(z, data):
     same_hits(ask(field), ask(cw.Field(changed)))
 
 
+def test_an_update_copies_samples_of_others(monkeypatch):
+    """Also where it had no memory for that before, and where they came read-only, as from Dask."""
+    z, buffers = np.zeros((9, 9), "f4"), []
+    field = cw.Field(z)
+    sent = pickle.loads(pickle.dumps(field, 5, buffer_callback=buffers.append), buffers=map(bytes, buffers))
+    with monkeypatch.context() as patch, pytest.raises(MemoryError):
+        patch.setattr(cw._field, "Core", lambda *_: (_ for _ in ()).throw(MemoryError()))
+        field.update(0, 0, [[1]])
+    for one in field, sent:
+        one.update(0, 0, [[1]])
+        assert one.at(0, 0) == 1 and z[0, 0] == 0
+
+
 def test_update_that_is_refused():
     field = cw.Field(rough(holes=False))
     wanted = ask(field)

@@ -55,11 +55,11 @@ const io_gdal *io_gdal_load(io_error *error) {
     }
     if (program.host && !program.host->prepare(program.host->network, error)) return NULL;
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    const io_gdal *module =
-        library ? dlsym(library, IO_GDAL_SYMBOL) : NULL; /* that of another version has no such symbol */
+    const io_gdal *module = library ? dlsym(library, IO_GDAL_SYMBOL) : NULL;
     if (module == NULL) {
-        const char *reason = dlerror();
+        const char *reason = library ? "its module belongs to another version of cellwalk" : dlerror();
         io_fail(error, "cannot load GDAL: %s", reason ? reason : path);
+        if (library) dlclose(library);
         return NULL;
     }
     module->start(&program);

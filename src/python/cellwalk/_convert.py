@@ -258,7 +258,7 @@ def finite(value, name: str, low: float = -math.inf, high: float = math.inf) -> 
 
 
 def common_shape(named: dict[str, tuple], shapes=None) -> tuple[int, ...]:
-    """To which all broadcast: those, or the shapes in their place, which messages do not tell."""
+    """The broadcast of shapes, by default of those of named; errors list named."""
     try:
         return np.broadcast_shapes(*(named.values() if shapes is None else shapes))
     except ValueError:

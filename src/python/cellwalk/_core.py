@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Calls of the libraries, which cffi binds by the names of their functions and structs, and the field that they are about."""
+"""Calls of the libraries, which cffi binds by the names of their functions and structs, and the height field."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def check(status: int, name: str) -> None:
 
 # GDAL's module is for one thread at a time. The same thread may come back by a progress callable or where a GeoTIFF is forgotten.
 raster_door = threading.RLock()
-# A fork waits for it. Else its child, which lacks the thread within, would wait for ever.
-os.register_at_fork(before=raster_door.acquire, after_in_parent=raster_door.release, after_in_child=raster_door.release)
+# A fork waits for it, so that no thread is within GDAL. If Ctrl-C ends the wait, the child has a door that is open all the same.
+os.register_at_fork(before=raster_door.acquire, after_in_parent=raster_door.release, after_in_child=raster_door._at_fork_reinit)
 
 
 def do_io(function, *arguments) -> str:
@@ -97,8 +97,8 @@ def _told(context) -> types.SimpleNamespace:
 def _keep(kind, error, trace) -> None:
     """Keeps an exception of the next two functions for Work.check. Ctrl-C raises one in whatever they do."""
     context = trace.tb_frame.f_locals["context"]
-    _told(context).error = error
     ffi.cast("work *", context).stopped = True
+    _told(context).error = error
 
 
 @ffi.def_extern(onerror=_keep)
@@ -212,7 +212,7 @@ class Core:
         return info
 
     def with_bounds(self, work: Work) -> Any:
-        """The terrain with the highest samples of blocks, for lines over it. Calls that find none at once make them twice."""
+        """The terrain with the highest samples of blocks, for lines over it. Two threads may both make them; the last ones stay."""
         work.bounds = self.bounds  # stay as long as the work
         if work.bounds is None:
             work.bounds = owner("sight_bounds **", lib.drop_bounds)

@@ -58,11 +58,11 @@ def _coarser(core, work, factor, filter):
     return samples, Difference(difference.above, difference.below, difference.rms, difference.lost, difference.made)
 
 
-def _update(core, work, samples, row, column, block):
+def _update(core, work, field, row, column, block):
     """If the field refuses it, the old samples are restored."""
-    here, status = samples[row:row + block.shape[0], column:column + block.shape[1]], None
+    here, status = field._samples[row:row + block.shape[0], column:column + block.shape[1]], None
     before, change = here.copy(), ffi.new("cw_update *", {"at": (column, row, *block.shape[::-1])})
-    core.bounds = None
+    updated, field._updated, core.bounds = field._updated, True, None
     try:
         here[:] = block
         status = lib.cw_field_update(core.field, work.run, change)
@@ -70,6 +70,7 @@ def _update(core, work, samples, row, column, block):
         if status != lib.CW_OK:
             here[:] = before
             lib.cw_field_update(core.field, work.run, change)
+            field._updated = updated
     return status
 
 
@@ -131,8 +132,8 @@ class Field(Rays, Light, Sight):
             if not np.isinf(samples).any():
                 raise
             samples = np.where(np.isinf(samples), np.float32(np.nan), samples)
-            self._own = True
             core = make(samples)  # infinite holes become NaN in a copy
+            self._own = True
         self._core, self._samples = core, samples
 
     @property
@@ -284,13 +285,10 @@ class Field(Rays, Light, Sight):
             return
         block = samples_of(array, nodata, "block", 1)
         block = np.where(np.isinf(block), np.float32(np.nan), block)
-        if not self._own:
-            self._own = True
+        if not (self._own and self._samples.flags.writeable):
             self._build(self._samples.copy())
-        self._updated = True
-        if not self._samples.flags.writeable:
-            raise RuntimeError("update: the samples are read-only")
-        self._run("block", _update, self._samples, row, column, block, core=self._core, change=True)
+            self._own = True
+        self._run("block", _update, self, row, column, block, core=self._core, change=True)
 
 
 def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None = None, nodata: float | None = None,

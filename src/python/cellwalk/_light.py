@@ -66,7 +66,7 @@ def seconds_of(time: Time) -> float:
             raise ValueError(f"time: {time!r}, expected a time with its zone, as 2024-06-21T12:00:00Z or +02:00")
         return seconds[0]
     if isinstance(time, np.datetime64):
-        return float((time - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
+        return finite(float((time - np.datetime64(0, "s")) / np.timedelta64(1, "s")), "time")
     if isinstance(time, datetime.datetime):
         if time.tzinfo is None:
             raise ValueError(f"time: {time!r} has no time zone; use datetime.timezone.utc")

@@ -108,7 +108,7 @@ def find_place(wkt: str, x: float, y: float) -> tuple[float, float, float]:
 
 def read_raster(path: str, band: int, nodata: Optional[float] = None, cellsize: float = 0.0, zscale: float = 0.0,
                 window: Optional[tuple[int, int, int, int]] = None, progress=None) -> tuple[Source, list[str]]:
-    """And warnings. Band 0: the first. window: column, row, columns and rows, all zero for all; None: of the header alone, if the format has
+    """Returns the raster and its warnings. Band 0 is the first. window: column, row, columns and rows, all zero for all; None: of the header alone, if the format has
     windows."""
     column, row, columns, rows = window or (0, 0, 0, 0)
     work, raster = Work(path, progress=progress), ffi.gc(ffi.new("io_raster *"), lib.io_raster_free)

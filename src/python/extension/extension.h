@@ -35,7 +35,7 @@ bool work_watch(void *context, double done);
 bool python_watch(void *context, double share);
 void python_warn(void *context, const char *text);
 
-/* Destructors for cffi's owners. In Python, Ctrl-C would be lost in them. */
+/* Destructors for cffi's owners. Written in C: Python drops Ctrl-C in destructors. */
 void drop_pool(cw_pool **pool);
 void drop_field(cw_field **field);
 void drop_bounds(sight_bounds **bounds);
@@ -60,7 +60,7 @@ cw_status rays_trace(const rays *r, const cw_field *field, work *w, cw_hit *hits
 /* Places of the sun at so many times. */
 void suns_at(const sun_place *place, const double *times, size_t n, sun_position *suns);
 
-/* The clearances of links. That of a line that cannot be is left as it is. False if memory is short. */
+/* Clearances of radio links. A line whose ends have no ground keeps its entry. False if memory is short. */
 bool lines_clearance(const terrain *t, work *w, double curvature, double megahertz, const cw_sight *lines, size_t n,
                      clearance *out);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops over many items, of which each is a function's of src/ground. */
+/* Calls functions of src/ground for each item of an array. */
 #include "extension.h"
 
 void suns_at(const sun_place *place, const double *times, size_t n, sun_position *suns) {

@@ -117,7 +117,6 @@ static bool look_at_pairs(los_command *c, io_error *error) {
     for (size_t row = 0; row < t->rows; row++) {
         const size_t *of = c->columns;
         io_place places[2] = {{.weight = 1}, {.weight = 1}};
-        name_of(c, row);
         if (!io_place_take(t, row, of[X1], of[Y1], of[HEIGHT1], of[NAME], &places[0], error) ||
             !io_place_take(t, row, of[X2], of[Y2], of[HEIGHT2], of[NAME], &places[1], error) ||
             !find_line(c, row + 1, places, error) || !write_row(c, row, error))
