@@ -134,12 +134,6 @@ void line_clearance(const line *l, double megahertz, const profile *p, clearance
     if (isinf(c->share)) c->share = NAN;
 }
 
-/* ---- profiles ---------------------------------------------------------------------------------------------------------- */
-
-bool line_head_profiles(double megahertz, io_output *to, io_error *error) {
-    return io_output_print(to, error, "pair,distance,x,y,ground,line,seen%s\n", megahertz > 0 ? ",fresnel_radius" : "");
-}
-
 line_row line_row_of(const line *l, double megahertz, const profile_point *at) {
     const double metres = terrain_metres_of_height(l->sight.terrain);
     double xy[2];
@@ -151,19 +145,4 @@ line_row line_row_of(const line *l, double megahertz, const profile_point *at) {
                       at->line * metres,
                       at->seen,
                       megahertz > 0 ? line_fresnel_radius(l, megahertz, at->share) : NAN};
-}
-
-bool line_write_profile(const line *l, size_t number, double megahertz, const profile *p, io_output *to,
-                        io_error *error) {
-    for (size_t k = 0; k < p->count; k++) {
-        const line_row r = line_row_of(l, megahertz, &p->points[k]);
-        const double over = line_no_minus(r.line);
-        bool good = io_output_print(to, error, "%zu,%.3f,%.12g,%.12g,", number, r.distance, r.x, r.y);
-        good = good &&
-               (isnan(r.ground) ? io_output_print(to, error, ",%.3f,", over)
-                                : io_output_print(to, error, "%.3f,%.3f,%.0f", line_no_minus(r.ground), over, r.seen));
-        good = good && (isnan(r.radius) || io_output_print(to, error, ",%.3f", r.radius));
-        if (!good || !io_output_write(to, "\n", 1, error)) return false;
-    }
-    return true;
 }

@@ -4,7 +4,6 @@
 #define CELLWALK_GROUND_LINE_H
 
 #include "ground.h"
-#include "output.h"
 #include "place.h"
 #include "profile.h"
 
@@ -46,14 +45,5 @@ typedef struct line_row {
     double distance, x, y, ground, line, seen, radius; /* radius: the first Fresnel zone's; NaN if megahertz is 0 */
 } line_row;
 line_row line_row_of(const line *l, double megahertz, const profile_point *at);
-
-/* For three decimals: without the sign of a number that they round to 0. */
-static inline double line_no_minus(double metres) { return metres > -0.0005 && metres < 0.0005 ? 0 : metres; }
-
-/* Writes the first line of a table of profiles, and the rows of one. */
-/* megahertz: 0 for no column of Fresnel radii. */
-bool line_head_profiles(double megahertz, io_output *to, io_error *error);
-bool line_write_profile(const line *l, size_t number, double megahertz, const profile *p, io_output *to,
-                        io_error *error);
 
 #endif

@@ -170,16 +170,14 @@ def _insolation(core, work, area, out, how, suns, weights, energy, sky):
 def _sun_days(core, work, spot, how, lean, curvature, first, suns, weights, out):
     """out: a sun_day for each day, or one of the suns."""
     day, terrain, eye, sight = ffi.new("sun_day_desc *", how), core.with_bounds(work), find_eye(core, spot, "x, y"), ffi.new("sight *")
-    if lean and not lib.sun_ground_lean(terrain, eye, ffi.addressof(day, "tilt"), ffi.addressof(day, "facing")):
-        raise MemoryError("sun_days: out of memory")
+    if lean:
+        lib.cw_sun_day_lean(terrain, eye, day)
     lib.cw_sight_init(sight, terrain, terrain.bounds, eye, curvature)
-    if suns is not None:
-        out[0] = lib.sun_day_of_list(sight, day, ffi.from_buffer("sun_position[]", suns), ffi.from_buffer("double[]", weights), len(suns))
-        return
-    share = lib.sun_sky_share(sight, day)
+    listed = (ffi.NULL, ffi.NULL, 0) if suns is None else (ffi.from_buffer("sun_position[]", suns), ffi.from_buffer("double[]", weights), len(suns))
+    share = lib.cw_sun_day_sky(sight, day) if suns is None else 0.0
     for k in range(len(out)):
         work.part(k, len(out))
-        out[k] = lib.sun_day_find(sight, day, share, first + 86400.0 * k)
+        out[k] = lib.cw_sun_day(sight, day, share, first + 86400.0 * k, *listed)
 
 
 class Light(Products):

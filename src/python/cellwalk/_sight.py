@@ -134,7 +134,7 @@ def _horizons(core, work, spots, sky):
         if np.isnan(lib.cw_terrain_height(terrain, eye[0], eye[1])):
             raise ValueError(f"x, y: ({spot[0]:.10g}, {spot[1]:.10g}) is not on the terrain, where the horizon is found")
         lib.cw_sight_init(sight, terrain, terrain.bounds, eye, sky["curvature"])
-        ffi.from_buffer("place_horizon[]", to)[0:len(to)] = [lib.place_horizon_toward(sight, a, sky["max_distance"]) for a in azimuths]
+        ffi.from_buffer("place_horizon[]", to)[0:len(to)] = [lib.cw_place_horizon(sight, a, sky["max_distance"]) for a in azimuths]
     out[..., 4] = core.north(out[..., 4])
     return out
 

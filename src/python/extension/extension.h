@@ -7,8 +7,9 @@
 
 #include "insolation.h"
 #include "line.h"
-#include "place_sky.h"
 #include "raster_out.h"
+#include "sun_day.h"
+#include "suns.h"
 
 #include <cellwalk_expert.h>
 #include <stdatomic.h>

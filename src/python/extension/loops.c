@@ -3,7 +3,7 @@
 #include "extension.h"
 
 void suns_at(const sun_place *place, const double *times, size_t n, sun_position *suns) {
-    for (size_t k = 0; k < n; k++) suns[k] = sun_place_at(place, times[k]);
+    for (size_t k = 0; k < n; k++) suns[k] = cw_sun_at_place(times[k], place);
 }
 
 void line_rows(const line *l, double megahertz, const profile *p, line_row *rows) {

@@ -56,6 +56,12 @@ sun_position cw_sun_at(double seconds, double longitude, double latitude) {
     };
 }
 
+sun_position cw_sun_at_place(double seconds, const sun_place *place) {
+    sun_position p = cw_sun_at(seconds, place->longitude, place->latitude);
+    p.azimuth = fmod(p.azimuth + place->turned + 360, 360);
+    return p;
+}
+
 /* Days from 1970-01-01 to a day of the Gregorian calendar: years begin in March, so that the leap day is the last. */
 static double days_since_1970(int year, int month, int day) {
     const long y = month > 2 ? year : year - 1L, m = month > 2 ? month - 3 : month + 9;

@@ -21,6 +21,15 @@ typedef struct sun_position {
  * degrees from 1950 to 2050, refraction apart. */
 sun_position cw_sun_at(double seconds, double longitude, double latitude);
 
+/* Where a place is on earth, and its map. */
+typedef struct sun_place {
+    double longitude, latitude; /* degrees */
+    double turned; /* how far the map's north is turned there from the true one, toward the west, in degrees */
+} sun_place;
+
+/* The same with the azimuth on the map. */
+sun_position cw_sun_at_place(double seconds, const sun_place *place);
+
 /* "2024-06-21T12:00:00Z", or with an offset such as +02:00; seconds and the time of day may be left out. False if the text
  * is none, or names no time zone. */
 bool cw_sun_parse_time(const char *text, double *seconds);

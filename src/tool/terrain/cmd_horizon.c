@@ -5,9 +5,9 @@
 #include "inputs.h"
 #include "output.h"
 #include "place.h"
-#include "place_sky.h"
 #include "product.h"
-#include "sight.h"
+#include "sun_day.h"
+#include "suns.h"
 #include "table.h"
 
 #include <math.h>
@@ -85,7 +85,7 @@ static bool write_place(horizon_command *c, size_t number, io_error *error) {
     if (!sun_place_of(t, &g->about.georef, xy, g->path, NULL, &north, &unknown)) north.turned = NAN;
     for (size_t k = 0; k < d->count; k++) {
         const place_horizon h =
-            place_horizon_toward(&s, fmod(d->start + 360.0 * (double)k / (double)d->count, 360), d->max_distance);
+            cw_place_horizon(&s, fmod(d->start + 360.0 * (double)k / (double)d->count, 360), d->max_distance);
         if (!write_row(c, number, &h, fmod(h.azimuth - north.turned + 360, 360), error)) return false;
     }
     return true;

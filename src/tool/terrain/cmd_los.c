@@ -32,6 +32,25 @@ typedef struct los_command {
     size_t columns[7]; /* of names */
 } los_command;
 
+/* For three decimals: without the sign of a number that they round to 0. */
+static double no_minus(double metres) { return metres > -0.0005 && metres < 0.0005 ? 0 : metres; }
+
+/* The rows of one line. */
+static bool write_profile(los_command *c, size_t number, io_error *error) {
+    io_output *to = &c->profiles;
+    for (size_t k = 0; k < c->along.count; k++) {
+        const line_row r = line_row_of(&c->line, c->megahertz, &c->along.points[k]);
+        const double over = no_minus(r.line);
+        bool good = io_output_print(to, error, "%zu,%.3f,%.12g,%.12g,", number, r.distance, r.x, r.y);
+        good =
+            good && (isnan(r.ground) ? io_output_print(to, error, ",%.3f,", over)
+                                     : io_output_print(to, error, "%.3f,%.3f,%.0f", no_minus(r.ground), over, r.seen));
+        good = good && (isnan(r.radius) || io_output_print(to, error, ",%.3f", r.radius));
+        if (!good || !io_output_write(to, "\n", 1, error)) return false;
+    }
+    return true;
+}
+
 static bool find_line(los_command *c, size_t number, const io_place places[2], io_error *error) {
     const bool radio = c->megahertz > 0;
     if (!line_find_on(&c->line, &c->product.ground, places, c->curvature, radio || c->profile ? &c->along : NULL,
@@ -39,7 +58,7 @@ static bool find_line(los_command *c, size_t number, const io_place places[2], i
         return false;
     if (radio) line_clearance(&c->line, c->megahertz, &c->along, &c->free);
     c->visible += !c->line.blocked;
-    return !c->profile || line_write_profile(&c->line, number, c->megahertz, &c->along, &c->profiles, error);
+    return !c->profile || write_profile(c, number, error);
 }
 
 /* ---- two places ---------------------------------------------------------------------------------------------------- */
@@ -60,7 +79,7 @@ static void print(const los_command *c) {
     const line *l = &c->line;
     if (l->blocked)
         printf("blocked: %.3f m from the first place, of %.3f m, at a height of %.3f m\nat %.10g,%.10g\n",
-               l->block_distance, l->length, line_no_minus(l->block_height), l->block[0], l->block[1]);
+               l->block_distance, l->length, no_minus(l->block_height), l->block[0], l->block[1]);
     else
         printf("visible: %.3f m\n", l->length);
     if (c->megahertz > 0 && isnan(c->free.share))
@@ -92,7 +111,7 @@ static bool write_row(los_command *c, size_t row, io_error *error) {
                          l->ends[1][0], l->ends[1][1], !l->blocked, l->length))
         return false;
     if (!(l->blocked ? io_output_print(to, error, "%.3f,%.12g,%.12g,%.3f", l->block_distance, l->block[0], l->block[1],
-                                       line_no_minus(l->block_height))
+                                       no_minus(l->block_height))
                      : io_output_print(to, error, ",,,")))
         return false;
     if (c->megahertz > 0 && !(isnan(c->free.share) ? io_output_print(to, error, ",,,")
@@ -131,8 +150,9 @@ static bool look_at_pairs(los_command *c, io_error *error) {
 static bool look(los_command *c, io_error *error) {
     c->curvature = ground_curvature(&c->product.ground, c->curvature);
     if (c->pairs && !io_inputs_note_path(c->pairs)) return io_fail(error, "out of memory");
-    if (c->profile &&
-        (!io_output_open(&c->profiles, c->profile, error) || !line_head_profiles(c->megahertz, &c->profiles, error)))
+    if (c->profile && (!io_output_open(&c->profiles, c->profile, error) ||
+                       !io_output_print(&c->profiles, error, "pair,distance,x,y,ground,line,seen%s\n",
+                                        c->megahertz > 0 ? ",fresnel_radius" : "")))
         return false;
     if (c->pairs && (!io_output_open(&c->results, c->output ? c->output : "-", error) || !look_at_pairs(c, error)))
         return false;

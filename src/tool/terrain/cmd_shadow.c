@@ -2,8 +2,8 @@
 /* `cellwalk shadow`: sun and shadow on every sample of a terrain. */
 
 #include "command.h"
-#include "place_sky.h"
 #include "product.h"
+#include "suns.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -33,7 +33,7 @@ static bool find_sun(shadow_command *c, io_error *error) {
     sun_place place;
     if (c->sun) return true;
     if (!sun_place_of(&g->whole, &g->about.georef, NULL, g->path, "give --sun", &place, error)) return false;
-    const sun_position at = sun_place_at(&place, c->seconds);
+    const sun_position at = cw_sun_at_place(c->seconds, &place);
     c->light.azimuth = at.azimuth;
     c->light.altitude = at.altitude;
     if (c->usual_disc) c->light.radius = at.radius;

@@ -71,7 +71,7 @@ static bool find_suns(sun_command *c, const sun_place *place, io_error *error) {
     if (list->suns == NULL) return io_fail(error, "out of memory");
     const double midnight = c->at.first - place->longitude / 360 * day;
     for (size_t k = 0; k < list->count; k++)
-        list->suns[k] = sun_place_at(place, midnight + ((double)k + 0.5) * c->at.desc.step);
+        list->suns[k] = cw_sun_at_place(midnight + ((double)k + 0.5) * c->at.desc.step, place);
     return true;
 }
 

@@ -78,7 +78,7 @@ static bool print_days(product *p, const sun_table *a, const sight *s, double sh
         return false;
     for (size_t k = 0; k < a->days; k++) {
         const double midnight = a->first + day * (double)k;
-        const sun_day d = sun_day_find(s, &a->desc, share, midnight);
+        const sun_day d = cw_sun_day(s, &a->desc, share, midnight, NULL, NULL, 0);
         add(&row, &d, midnight);
         add(all, &d, midnight);
         product_tell(p, (double)(k + 1) / (double)a->days);
@@ -93,7 +93,7 @@ static bool print_list(product *p, const sun_table *a, const sight *s, io_output
     sun_list list;
     bool good = sun_list_read(a->suns, &p->ground.watch, &list, error);
     if (good) {
-        const sun_day d = sun_day_of_list(s, &a->desc, list.suns, list.weights, list.count);
+        const sun_day d = cw_sun_day(s, &a->desc, NAN, 0, list.suns, list.weights, list.count);
         good = io_output_print(to, error, "suns,hours,free_hours,direct,free_direct\n%zu,%.6g,%.6g,%.6g,%.6g\n",
                                list.count, d.hours, d.free_hours, d.direct, d.free_direct);
     }
@@ -116,13 +116,13 @@ bool sun_table_write(product *p, sun_table *a, io_error *error) {
     if (!a->placed && !a->suns &&
         !sun_place_of(t, &g->about.georef, xy, g->path, "--lon-lat tells it", &d->place, error))
         return false;
-    if (a->ground && !sun_ground_lean(t, eye, &d->tilt, &d->facing)) return io_fail(error, "out of memory");
+    if (a->ground) cw_sun_day_lean(t, eye, d);
     if (cw_sight_bounds_create(t, &bounds) != CW_OK) return io_fail(error, "out of memory");
     cw_sight_init(&s, t, bounds, eye, a->curvature);
     sum all = {0};
     const bool good =
         io_output_open(&to, p->output ? p->output : "-", error) &&
-        (a->suns ? print_list(p, a, &s, &to, error) : print_days(p, a, &s, sun_sky_share(&s, d), &to, &all, error)) &&
+        (a->suns ? print_list(p, a, &s, &to, error) : print_days(p, a, &s, cw_sun_day_sky(&s, d), &to, &all, error)) &&
         io_output_commit(&to, error);
     io_output_discard(&to);
     progress_end();

@@ -3,8 +3,9 @@
 #ifndef CELLWALK_TOOL_TERRAIN_SUN_TABLE_H
 #define CELLWALK_TOOL_TERRAIN_SUN_TABLE_H
 
-#include "place_sky.h"
 #include "product.h"
+#include "sun_day.h"
+#include "suns.h"
 
 typedef struct sun_table {
     const char *at;   /* NULL: not asked for */

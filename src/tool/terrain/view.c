@@ -5,7 +5,7 @@
 #include "half.h"
 #include "inputs.h"
 #include "landscape.h"
-#include "place_sky.h"
+#include "suns.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -185,7 +185,7 @@ static bool find_sun(view *v, io_error *error) {
     sun_place place;
     if (v->time == NULL) return true;
     if (!sun_place_of(&g->terrain, &g->about.georef, NULL, g->path, "give --sun", &place, error)) return false;
-    const sun_position p = sun_place_at(&place, v->seconds);
+    const sun_position p = cw_sun_at_place(v->seconds, &place);
     v->sun_at[0] = p.azimuth;
     v->sun_at[1] = p.altitude;
     return true;
