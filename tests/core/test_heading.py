@@ -7,7 +7,7 @@ import functools
 import numpy as np
 import pytest
 from library import ARGUMENT, KERNEL, Room
-from program import takes
+from program import taken, takes
 from test_visible import SHAPES, SIZES, crossings, direction, lakes, made
 
 INF = np.inf
@@ -89,7 +89,7 @@ def test_walls_on_the_border_count(library, nx):
     z, r = made("random", nx, 30, nx), np.random.default_rng(nx)
     z[:, -1] += 4 * nx
     land = Headings(library, z)
-    for angle in r.uniform(-0.7, 0.7, 40):
+    for angle in taken(r.uniform(-0.7, 0.7, 40), 4):
         dir = np.cos(angle), np.sin(angle)
         with land.along(dir) as heading:
             check_samples(land.z, land.steepest(heading), np.arange(0, 30 * nx, 16), dir)

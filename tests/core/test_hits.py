@@ -4,6 +4,7 @@ of hits agree with formulas in long double; places on the surface; tiles of a la
 import numpy as np
 import pytest
 from library import HEADERS, HIT, NOTHING, RAY, SOURCE, USER_RAY, Room, random_rays
+from program import DIVISOR, SLOW
 
 # MIRRORED shears and turns x and y and reverses z. FAR turns and scales, with its origin millions of units away.
 MIRRORED = np.array([[2, -0.5, 0.125, 300], [0.75, 3, 0, -20], [0.25, 0, -1.5, 7]])
@@ -214,7 +215,7 @@ def test_a_far_origin_comes_off_exactly(library):
 @pytest.mark.parametrize("overlap, corners", [(1, False), (1, True), (0, False)])
 def test_no_ray_slips_between_tiles_that_overlap(library, overlap, corners):
     """As papers/using.md advises: by one cell. Rays from above at places on the inner borders, or at their crossings."""
-    across, cells, n = 3, 40, 100000 // (10 if corners else 1)
+    across, cells, n = 3, 40, 100000 // (10 if corners else min(DIVISOR * SLOW, 4))
     side, r = across * cells + 2, np.random.default_rng(7)
     land = r.uniform(0, 3, (side, side)).astype("f4")
     borders = cells * r.integers(1, across, (n, 2))

@@ -2,12 +2,13 @@
 """Coarser fields against definitions in whole numbers: heights, holes, and how far the two surfaces lie apart. All heights are
 taken times 2^149, which makes them whole. The difference is compared at points inside each triangle, found on both surfaces without
 use of how they overlap, and at the triangle's corners."""
+import itertools
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from library import struct
-from program import takes
+from program import taken
 
 MEAN, HIGHEST, LOWEST = range(3)
 CASES = [(2, 2, 2), (3, 2, 2), (5, 9, 4), (9, 8, 2), (17, 12, 4), (13, 14, 3), (7, 21, 5), (5, 4, 100), (25, 3, 8)]
@@ -79,51 +80,48 @@ def mean_at(full, i, j, factor):
     return float(total), max(abs(h) for _, h in there) / 2**149
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("nx, ny, factor", CASES)
-def test_definitions(lands, shape, nx, ny, factor):
+@pytest.mark.parametrize("size, shape, filter", taken(itertools.product(CASES, SHAPES, (MEAN, HIGHEST, LOWEST)), 7))
+def test_definitions(lands, size, shape, filter):
     """The reported difference is off by at most 14 · 2^-53 of the largest difference between a sample and a corner
     (src/terrain/coarser/difference.c); the mean square by sums of n squares with n + 64 roundings. A mean is rounded to float once;
     sums in double of fewer than 2^11 terms before."""
-    case = CASES.index((nx, ny, factor)) + list(SHAPES).index(shape)
-    random = np.random.default_rng(case)
+    nx, ny, factor = size
+    random = np.random.default_rng(CASES.index(size) + list(SHAPES).index(shape))
     i, j = np.meshgrid(np.arange(nx), np.arange(ny))
     full = lands.land(SHAPES[shape](i, j, random.random((ny, nx)), random.random((ny, nx))), np.eye(3, 4))
-    for filter in (filter for filter in (MEAN, HIGHEST, LOWEST) if takes(case + filter, 3)):
-        _, coarse, (above, below, rms, lost, made) = lands.coarser(factor, filter)
-        assert coarse.shape == (-(-(ny - 1) // factor) + 1, -(-(nx - 1) // factor) + 1)
-        whole = exact(full)
-        for b, a in np.ndindex(coarse.shape):
-            z = coarse[b, a]
-            if filter == MEAN:
-                right, scale = mean_at(whole, a, b, factor)
-                assert (right is None) == np.isnan(z)
-                assert right is None or abs(float(z) - right) <= 2.0**-24 * abs(right) + 2.0**-41 * scale + 2.0**-149
-                continue
-            window = full[max(0, (b - 1) * factor):(b + 1) * factor + 1, max(0, (a - 1) * factor):(a + 1) * factor + 1]
-            wanted = (np.nan if np.isnan(window).all() else np.nanmax(window)) if filter == HIGHEST else np.min(window)
-            assert z == wanted or np.isnan([z, wanted]).all()
-        found = look(whole, exact(coarse), factor, above, below)
-        assert found[:2] == (lost, made)
-        known = np.concatenate([full[~np.isnan(full)], coarse[~np.isnan(coarse)]]).astype(float)
-        slack = 2.0**-49 * np.ptp(known) if found[2] else 0
-        right = np.sqrt(float(found[5] / (6 * max(found[2], 1))))
-        assert above <= max(found[3], 0) + slack and below <= max(-found[4], 0) + slack
-        assert abs(rms - right) <= slack + right * (found[2] + 64) * 2.0**-53
-        assert filter != HIGHEST or (below, lost) == (0, 0)
-        assert filter != LOWEST or (above, made) == (0, 0)
-        assert shape != "flat" or (above, below, rms) == (0, 0, 0)
+    _, coarse, (above, below, rms, lost, made) = lands.coarser(factor, filter)
+    assert coarse.shape == (-(-(ny - 1) // factor) + 1, -(-(nx - 1) // factor) + 1)
+    whole = exact(full)
+    for b, a in np.ndindex(coarse.shape):
+        z = coarse[b, a]
+        if filter == MEAN:
+            right, scale = mean_at(whole, a, b, factor)
+            assert (right is None) == np.isnan(z)
+            assert right is None or abs(float(z) - right) <= 2.0**-24 * abs(right) + 2.0**-41 * scale + 2.0**-149
+            continue
+        window = full[max(0, (b - 1) * factor):(b + 1) * factor + 1, max(0, (a - 1) * factor):(a + 1) * factor + 1]
+        wanted = (np.nan if np.isnan(window).all() else np.nanmax(window)) if filter == HIGHEST else np.min(window)
+        assert z == wanted or np.isnan([z, wanted]).all()
+    found = look(whole, exact(coarse), factor, above, below)
+    assert found[:2] == (lost, made)
+    known = np.concatenate([full[~np.isnan(full)], coarse[~np.isnan(coarse)]]).astype(float)
+    slack = 2.0**-49 * np.ptp(known) if found[2] else 0
+    right = np.sqrt(float(found[5] / (6 * max(found[2], 1))))
+    assert above <= max(found[3], 0) + slack and below <= max(-found[4], 0) + slack
+    assert abs(rms - right) <= slack + right * (found[2] + 64) * 2.0**-53
+    assert filter != HIGHEST or (below, lost) == (0, 0)
+    assert filter != LOWEST or (above, made) == (0, 0)
+    assert shape != "flat" or (above, below, rms) == (0, 0, 0)
 
 
-@pytest.mark.parametrize("filter", [MEAN, HIGHEST, LOWEST])
-def test_threads_change_no_bit(lands, filter):
+@pytest.mark.parametrize("filter, factor", taken(itertools.product((MEAN, HIGHEST, LOWEST), (2, 5)), 3))
+def test_threads_change_no_bit(lands, filter, factor):
     random = np.random.default_rng(7)
     z = 100 * random.random((409, 613))
     z[330:][random.random((79, 613)) < 0.01] = np.nan
     lands.land(z)
-    for factor in 2, 5:
-        one, other = (lands.coarser(factor, filter, pool) for pool in (0, lands.pool))
-        assert one[1].tobytes() == other[1].tobytes() and one[2] == other[2]
+    one, other = (lands.coarser(factor, filter, pool) for pool in (0, lands.pool))
+    assert one[1].tobytes() == other[1].tobytes() and one[2] == other[2]
 
 
 def test_places_stay(lands):

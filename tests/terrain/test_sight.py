@@ -271,18 +271,18 @@ def check_view(lands, case, some, r, check):
 
 # Cases, of which one in so many at least is taken where time is short; how they are checked, and how many samples of a case, 0 for all; how many
 # of all must be seen, touched, hidden and need much for the test to mean something.
-ROWS = {small_land: (576, 12, by_judge, 80, 1500, 0, 1500, 0), large_land: (4, 2, by_judge, 1000, 50, 0, 250, 0),
+ROWS = {small_land: (576, 48, by_judge, 80, 1500, 0, 1500, 0), large_land: (4, 2, by_judge, 1000, 50, 0, 250, 0),
         spike_beside_eye: (81, 7, by_judge, 280, 2500, 0, 250, 0), behind_a_tip: (1, 1, by_judge, 0, 50, 0, 0, 0),
         behind_a_lone_sample: (6, 3, by_judge, 0, 1000, 0, 3, 0), in_a_plane: (60, 8, by_judge, 575, 1000, 1000, 1000, 0),
-        last_digits: (30, 4, by_judge, 575, 500, 0, 500, 0), shore: (80, 8, by_judge, 0, 800, 0, 200, 0),
-        wide_land: (30, 3, by_lines, 3000, 2000, 0, 2000, 0), large_ties: (16, 8, by_lines, 1500, 0, 0, 500, 0),
+        last_digits: (30, 4, by_judge, 575, 500, 0, 500, 0), shore: (80, 16, by_judge, 0, 800, 0, 200, 0),
+        wide_land: (30, 10, by_lines, 3000, 2000, 0, 2000, 0), large_ties: (16, 16, by_lines, 1500, 0, 0, 500, 0),
         steps: (25, 24, by_lines, 5000, 500, 0, 500, 500), behind_a_joined_piece: (1, 1, by_lines, 0, 50, 0, 50, 0)}
 
 
 @pytest.mark.parametrize("row", ROWS)
 def test_every_sample(lands, row):
     cases, step, check, samples, *least = ROWS[row]
-    found, short = np.zeros(4, int), min(DIVISOR * SLOW, 5) if cases > 1 and samples else 1
+    found, short = np.zeros(4, int), min(DIVISOR * SLOW, 10) if cases > 1 and samples else 1
     for n in taken(range(cases), step):
         r = np.random.default_rng([2024, n])
         found += check_view(lands, row(n, r), samples // short, r, check)
