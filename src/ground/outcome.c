@@ -178,28 +178,20 @@ static void mark(const picture *p, const double *marks, size_t count, size_t y, 
 bool picture_write(const picture *p, const char *path, const io_raster_product *product, const outcome *of,
                    const double *marks, size_t mark_count, io_error *error) {
     const double low = outcome_quantile(of, 0.02), high = outcome_quantile(of, 0.98), times = exaggeration(p);
+    unsigned char *rgb = malloc(3 * p->nx * p->ny);
+    if (rgb == NULL) return io_fail(error, "out of memory");
+    for (size_t k = 0; k < p->nx * p->ny; k++) {
+        const double light = shade(p, k, times);
+        if (isnan(light))
+            memset(rgb + 3 * k, 240, 3);
+        else
+            colour_of((double)p->values[k], low, high, light, rgb + 3 * k);
+    }
+    for (size_t y = 0; y < p->ny; y++) mark(p, marks, mark_count, y, rgb + 3 * p->nx * y);
     io_raster_writer to;
-    unsigned char *row = malloc(3 * p->nx);
-    bool good = (row != NULL || io_fail(error, "out of memory")) && io_raster_create(&to, path, product, error);
-    if (!good) {
-        free(row);
-        return false;
-    }
-    for (size_t y = 0; good && y < p->ny; y++) {
-        for (size_t x = 0; x < p->nx; x++) {
-            const size_t k = y * p->nx + x;
-            const double light = shade(p, k, times);
-            unsigned char *pixel = row + 3 * x;
-            if (isnan(light))
-                memset(pixel, 240, 3);
-            else
-                colour_of((double)p->values[k], low, high, light, pixel);
-        }
-        mark(p, marks, mark_count, y, row);
-        good = io_raster_write(&to, row, 1, error);
-    }
-    good = good && io_raster_commit(&to, error);
+    const bool good = io_raster_create(&to, path, product, error) && io_raster_write(&to, rgb, p->ny, error) &&
+                      io_raster_commit(&to, error);
     io_raster_discard(&to);
-    free(row);
+    free(rgb);
     return good;
 }

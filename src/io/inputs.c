@@ -29,7 +29,7 @@ bool io_inputs_have(const struct stat *about) {
     return have;
 }
 
-bool io_inputs_note(const struct stat *about) {
+static bool note(const struct stat *about) {
     if (!io_inputs_are_protected() || io_inputs_have(about)) return true;
     pthread_mutex_lock(&lock);
     struct identity *more = realloc(list, (count + 1) * sizeof *more);
@@ -43,7 +43,7 @@ bool io_inputs_note(const struct stat *about) {
 
 bool io_inputs_note_path(const char *path) {
     struct stat about;
-    return stat(path, &about) != 0 || io_inputs_note(&about);
+    return stat(path, &about) != 0 || note(&about);
 }
 
 int io_file_open(const char *path, uint64_t *size, io_error *error) {
@@ -54,7 +54,7 @@ int io_file_open(const char *path, uint64_t *size, io_error *error) {
         io_fail(error, "%s: cannot read: %s", path, strerror(errno));
     } else if (!S_ISREG(about.st_mode)) {
         io_fail(error, "%s: cannot read: %s", path, S_ISDIR(about.st_mode) ? strerror(EISDIR) : "not a regular file");
-    } else if (!io_inputs_note(&about)) {
+    } else if (!note(&about)) {
         io_fail(error, "%s: out of memory", path);
     } else {
         *size = (uint64_t)about.st_size;

@@ -15,11 +15,8 @@
 void io_inputs_protect(void);
 bool io_inputs_are_protected(void);
 
-/* For readers: notes that the file described by about is read. False when out of memory. Remembers nothing unless protected. */
-bool io_inputs_note(const struct stat *about);
-
-/* The same by name, for a file that will be read later than the output is opened. One that is not there is passed over:
- * reading it will fail. */
+/* Remembers a file that will be read later than the output is opened; nothing unless protected. False when out of memory. One that is
+ * not there is passed over: reading it will fail. */
 bool io_inputs_note_path(const char *path);
 
 /* True if that file is remembered. */

@@ -162,7 +162,7 @@ static bool check_size(io_npy *npy, uint64_t file_size, io_error *error) {
     uint64_t bytes = npy->row_bytes;
     fits = fits && multiply(&bytes, h->rank > 0 ? h->shape[0] : 1);
     char shape[128];
-    io_npy_shape_text(npy, shape, sizeof shape);
+    io_npy_shape_text(h->rank, h->shape, shape, sizeof shape);
     if (!fits) return io_fail(error, "%s: shape %s is too large for any file", npy->path, shape);
     const uint64_t data = file_size - npy->offset;
     if (data == bytes) return true;
@@ -189,12 +189,11 @@ void io_npy_close(io_npy *npy) {
     *npy = (io_npy){.fd = -1};
 }
 
-void io_npy_shape_text(const io_npy *npy, char *text, size_t size) {
-    const io_npy_header *h = &npy->header;
+void io_npy_shape_text(size_t rank, const uint64_t *shape, char *text, size_t size) {
     size_t used = (size_t)snprintf(text, size, "(");
-    for (size_t k = 0; k < h->rank && used < size; k++)
-        used += (size_t)snprintf(text + used, size - used, "%s%llu", k ? ", " : "", (unsigned long long)h->shape[k]);
-    if (used < size) snprintf(text + used, size - used, h->rank == 1 ? ",)" : ")");
+    for (size_t k = 0; k < rank && used < size; k++)
+        used += (size_t)snprintf(text + used, size - used, "%s%llu", k ? ", " : "", (unsigned long long)shape[k]);
+    if (used < size) snprintf(text + used, size - used, rank == 1 ? ",)" : ")");
 }
 
 bool io_npy_expect_type(const io_npy *npy, const char *const *types, size_t count, io_error *error) {
@@ -232,19 +231,17 @@ enum { ALIGNMENT = 64 }; /* of the first element, as NumPy has it */
 /* Version 1.0: magic, version, length of the rest as 16 bits, the dictionary, blanks up to the alignment, newline. */
 bool io_npy_write_header(io_output *output, const char *type, size_t item, size_t rank, const uint64_t *shape,
                          io_error *error) {
-    char header[1024] = "\x93NUMPY\x01", sides[24 * IO_NPY_RANK_MAX] = "";
+    char header[1024] = "\x93NUMPY\x01", text[24 * IO_NPY_RANK_MAX];
     uint64_t bytes = item;
-    size_t used = 0;
     for (size_t k = 0; k < rank; k++) {
         if (shape[k] > 0 && bytes > INT64_MAX / shape[k])
             return io_fail(error, "%s: too many elements for any file", output->name);
         bytes *= shape[k];
-        used += (size_t)snprintf(sides + used, sizeof sides - used, "%s%llu%s", k > 0 ? " " : "",
-                                 (unsigned long long)shape[k], k + 1 < rank || rank == 1 ? "," : "");
     }
+    io_npy_shape_text(rank, shape, text, sizeof text);
     const size_t start = 10, room = sizeof header - ALIGNMENT - start;
     const int length =
-        snprintf(header + start, room, "{'descr': %s, 'fortran_order': False, 'shape': (%s), }", type, sides);
+        snprintf(header + start, room, "{'descr': %s, 'fortran_order': False, 'shape': %s, }", type, text);
     if (length < 0 || (size_t)length >= room) return io_fail(error, "%s: too many fields", output->name);
     size_t size = start + (size_t)length;
     while ((size + 1) % ALIGNMENT != 0) header[size++] = ' ';
@@ -252,11 +249,4 @@ bool io_npy_write_header(io_output *output, const char *type, size_t item, size_
     header[8] = (char)((size - start) & 0xff);
     header[9] = (char)((size - start) >> 8);
     return io_output_reserve(output, size + bytes, error) && io_output_write(output, header, size, error);
-}
-
-bool io_npy_create(io_output *output, const char *path, const char *type, size_t item, uint64_t rows, io_error *error) {
-    if (!io_output_open(output, path, error)) return false;
-    if (io_npy_write_header(output, type, item, 1, &rows, error)) return true;
-    io_output_discard(output);
-    return false;
 }

@@ -37,20 +37,16 @@ void io_npy_close(io_npy *npy);
 /* False, with the file's type and the wanted ones in error, unless the element type is one of count. */
 bool io_npy_expect_type(const io_npy *npy, const char *const *types, size_t count, io_error *error);
 
-/* "(1000, 8)" in text, for messages. */
-void io_npy_shape_text(const io_npy *npy, char *text, size_t size);
+/* "(1000, 8)" in text. */
+void io_npy_shape_text(size_t rank, const uint64_t *shape, char *text, size_t size);
 
 /* Rows [first, first + count), each row_bytes long, aligned for their type; valid until the next call on npy. NULL on
  * failure. */
 const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *error);
 
 /* Writes the header of an array of that shape at the start of an output, and claims room for all of it, so that a full
- * disk is found out before the work. type and item as below. */
+ * disk is found out before the work. type is a Python expression: "'<f4'" or a list of fields; item its size in bytes. */
 bool io_npy_write_header(io_output *output, const char *type, size_t item, size_t rank, const uint64_t *shape,
                          io_error *error);
-
-/* Starts a file of rows elements. type is a Python expression: "'<f4'" or a list of fields; item its size in bytes.
- * Fails at once if the disk has no room for the whole array. On failure output needs no discard. */
-bool io_npy_create(io_output *output, const char *path, const char *type, size_t item, uint64_t rows, io_error *error);
 
 #endif

@@ -78,51 +78,44 @@ static char *follow(const char *path) {
     return NULL;
 }
 
-/* Two names that lead to one file are found equal before and after the file exists. Devices equal nothing. 0: not known. */
+/* Two names that lead to one file are found equal before and after the file exists. Devices equal nothing. Inode 0: not known. */
 typedef struct identity {
-    dev_t device, folder_device;
-    ino_t inode, folder_inode;
+    struct stat file, folder;
     const char *base; /* in the folder; the target's own text */
 } identity;
 
 /* about: of the file, or NULL if there is none; direct: it is no file of the folder. */
 static void identify(identity *i, const char *target, bool direct, const struct stat *about) {
-    struct stat folder;
     *i = (identity){.base = base_of(target)};
-    if (about != NULL && !S_ISCHR(about->st_mode)) {
-        i->device = about->st_dev;
-        i->inode = about->st_ino;
-    }
-    if (direct || !stat_folder(target, &folder)) return;
-    i->folder_device = folder.st_dev;
-    i->folder_inode = folder.st_ino;
+    if (about != NULL && !S_ISCHR(about->st_mode)) i->file = *about;
+    if (direct || !stat_folder(target, &i->folder)) i->folder.st_ino = 0;
+}
+
+static bool is_one(const struct stat *a, const struct stat *b) {
+    return a->st_ino != 0 && a->st_ino == b->st_ino && a->st_dev == b->st_dev;
 }
 
 static bool is_same(const identity *a, const identity *b) {
-    return (a->inode != 0 && a->inode == b->inode && a->device == b->device) ||
-           (a->folder_inode != 0 && a->folder_inode == b->folder_inode && a->folder_device == b->folder_device &&
-            strcmp(a->base, b->base) == 0);
+    return is_one(&a->file, &b->file) || (is_one(&a->folder, &b->folder) && strcmp(a->base, b->base) == 0);
 }
 
 /* ---- what stays of a file that is replaced ---------------------------------------------------------------------------------- */
 
-#if CELLWALK_LINUX
 /* With a list, the mode's bits for the group are the most that the list grants: without the list, they would be the
  * group's own. A new file may have inherited a list from its folder. */
 static bool keep_list(int fd, const char *old_path) {
+#if CELLWALK_LINUX
     static const char list[] = "system.posix_acl_access";
     char bytes[4096];
     const ssize_t size = getxattr(old_path, list, bytes, sizeof bytes);
     if (size > 0) return fsetxattr(fd, list, bytes, (size_t)size, 0) == 0;
     if (size < 0 && errno != ENODATA && errno != ENOTSUP) return false;
     return fremovexattr(fd, list) == 0 || errno == ENODATA || errno == ENOTSUP;
-}
 #else
-static bool keep_list(int fd, const char *old_path) {
     (void)fd, (void)old_path;
     return true;
-}
 #endif
+}
 
 /* Gives the new file fd the owner, group, access control list and permissions of the old one, so that nobody may do more with it.
  * Set-user-ID, set-group-ID and sticky bits are never kept. Where the group or the list cannot be, group and others get the permissions
@@ -242,7 +235,7 @@ static bool check_conflicts(const io_output *out, const struct stat *about, io_e
             return io_fail(error, "%s: is also another output; choose another name for one of them", out->name);
     for (int k = 0; k < 2 && about != NULL && !out->direct; k++) {
         struct stat stream;
-        if (fstat(STDOUT_FILENO + k, &stream) == 0 && stream.st_dev == about->st_dev && stream.st_ino == about->st_ino)
+        if (fstat(STDOUT_FILENO + k, &stream) == 0 && is_one(&stream, about))
             return io_fail(error, "%s: is also where standard %s leads; choose another name for the output", out->name,
                            streams[k]);
     }

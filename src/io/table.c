@@ -71,16 +71,12 @@ static bool take_cell(scanner *s, char **cell, bool *last) {
 /* Files of programs that separate cells by something else. */
 static bool check_separator(const scanner *s) {
     const size_t length = strcspn(s->at, "\r\n");
-    const bool comma = memchr(s->at, ',', length) != NULL;
-    if (!comma && memchr(s->at, ';', length))
-        return io_fail(s->error,
-                       "%s:%zu: cells are separated by semicolons; a comma should stand between them, and a "
-                       "point in decimal numbers",
-                       s->table->path, s->line);
-    if (!comma && memchr(s->at, '\t', length))
-        return io_fail(s->error, "%s:%zu: cells are separated by tabs; a comma should stand between them",
-                       s->table->path, s->line);
-    return true;
+    const char *by = memchr(s->at, ';', length) ? "semicolons" : memchr(s->at, '\t', length) ? "tabs" : NULL;
+    return by == NULL || memchr(s->at, ',', length) != NULL ||
+           io_fail(
+               s->error,
+               "%s:%zu: cells are separated by %s; a comma should stand between them, and a point in decimal numbers",
+               s->table->path, s->line, by);
 }
 
 /* The cells of a line, for which there is room, and how many there are; 0 after an error. */

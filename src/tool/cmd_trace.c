@@ -51,7 +51,7 @@ static bool open_rays(trace *t, const char *path, io_error *error) {
     if (!io_npy_open(&t->rays, strcmp(path, "-") == 0 ? "/dev/stdin" : path, error) ||
         !io_npy_expect_type(&t->rays, t->user ? float64 : float32, 1, error))
         return false;
-    io_npy_shape_text(&t->rays, shape, sizeof shape);
+    io_npy_shape_text(h->rank, h->shape, shape, sizeof shape);
     if (h->rank != 2 || h->shape[1] != 8)
         return io_fail(error, "%s: shape %s, but rays are (N, 8): org x y z, tmin, dir x y z, tmax", t->rays.path,
                        shape);
@@ -60,16 +60,17 @@ static bool open_rays(trace *t, const char *path, io_error *error) {
 }
 
 static bool create_hits(trace *t, io_error *error) {
-    char type[256];
-    if (t->any) return io_npy_create(&t->output, t->hits, "'|u1'", 1, t->count, error);
-    snprintf(type, sizeof type,
-             "[('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '<u4'), ('u', '<f4'), ('v', '<f4')%s%s]",
-             t->points ? ", ('x', '<f8'), ('y', '<f8'), ('z', '<f8')" : "",
-             t->normals ? ", ('nx', '<f4'), ('ny', '<f4'), ('nz', '<f4')" : "");
-    size_t record = HIT;
+    char type[256] = "'|u1'";
+    size_t record = t->any ? 1 : HIT;
+    if (!t->any)
+        snprintf(type, sizeof type,
+                 "[('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '<u4'), ('u', '<f4'), ('v', '<f4')%s%s]",
+                 t->points ? ", ('x', '<f8'), ('y', '<f8'), ('z', '<f8')" : "",
+                 t->normals ? ", ('nx', '<f4'), ('ny', '<f4'), ('nz', '<f4')" : "");
     if (t->points) record += POINT;
     if (t->normals) record += NORMAL;
-    return io_npy_create(&t->output, t->hits, type, record, t->count, error);
+    return io_output_open(&t->output, t->hits, error) &&
+           io_npy_write_header(&t->output, type, record, 1, &t->count, error);
 }
 
 static bool write_extras(trace *t, const cw_hit *hits, size_t n, io_error *error) {

@@ -61,7 +61,7 @@ static void read_rays(const uint8_t *data, size_t size) {
     io_error error;
     char shape[128];
     if (!io_npy_open(&npy, put(RAYS, data, size), &error)) return;
-    io_npy_shape_text(&npy, shape, sizeof shape);
+    io_npy_shape_text(npy.header.rank, npy.header.shape, shape, sizeof shape);
     io_npy_expect_type(&npy, (const char *const[]){"<f4"}, 1, &error);
     const uint64_t rows = npy.header.rank > 0 ? npy.header.shape[0] : 1;
     for (uint64_t first = 0; first < rows && first < ROWS * PASSES_MAX; first += ROWS) {

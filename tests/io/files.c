@@ -83,15 +83,13 @@ static int obey_output(const char *c, char **w, io_error *e) {
 
 /* ---- arrays, tables, pictures -------------------------------------------------------------------------------------------- */
 
-static io_npy npy;
-static bool npy_is_open;
+static io_npy npy = {.fd = -1}; /* open or not, to be closed */
 
 static bool opens_npy(const char *name, io_error *e) {
     char shape[200];
-    if (npy_is_open) io_npy_close(&npy);
-    npy_is_open = io_npy_open(&npy, name, e);
-    if (!npy_is_open) return false;
-    io_npy_shape_text(&npy, shape, sizeof shape);
+    io_npy_close(&npy);
+    if (!io_npy_open(&npy, name, e)) return false;
+    io_npy_shape_text(npy.header.rank, npy.header.shape, shape, sizeof shape);
     fprintf(answer, "%s %zu %s", npy.header.type, (size_t)npy.offset, shape);
     return true;
 }
@@ -160,7 +158,9 @@ static int obey_file(const char *c, char **w, io_error *e) {
     if (strcmp(c, "npy") == 0) return opens_npy(w[1], e);
     if (strcmp(c, "rows") == 0) return shows_rows(whole(w[1]), whole(w[2]), e);
     if (strcmp(c, "types") == 0) return io_npy_expect_type(&npy, (const char *const *)w + 1, 2, e);
-    if (strcmp(c, "npy create") == 0) return io_npy_create(&outputs[0], w[1], "'<f4'", 4, whole(w[2]), e);
+    if (strcmp(c, "npy create") == 0)
+        return io_output_open(&outputs[0], w[1], e) &&
+               io_npy_write_header(&outputs[0], "'<f4'", 4, 1, &(uint64_t){whole(w[2])}, e);
     if (strcmp(c, "table") == 0 || strcmp(c, "number") == 0 || strcmp(c, "columns") == 0) return reads_table(c, w, e);
     if (strcmp(c, "image") == 0) return reads_image(w[1], e);
     return strcmp(c, "image write") == 0 ? writes_image(w, e) : OTHER;
@@ -261,7 +261,7 @@ static int obey(char **w, io_error *e) {
 
 int main(int argc, char **argv) {
     const int status = words_run(argc, argv, obey);
-    if (npy_is_open) io_npy_close(&npy);
+    io_npy_close(&npy);
     io_raster_free(&raster);
     return status;
 }

@@ -47,8 +47,7 @@ bool io_exr_read(const char *path, io_image *image, io_error *error);
 bool io_exr_put(io_output *out, const io_image *image, io_error *error);
 bool io_png_put(io_output *out, const io_image *image, io_error *error);
 
-/* Pixels of three bytes each; and whether PNG has room for so many, before they are computed. */
+/* Pixels of three bytes each. */
 bool io_png_put_bytes(io_output *out, size_t width, size_t height, const uint8_t *rgb, io_error *error);
-bool io_png_check_size(const io_output *out, size_t width, size_t height, io_error *error);
 
 #endif

@@ -9,22 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool io_png_check_size(const io_output *out, size_t width, size_t height, io_error *error) {
-    enum { SIDE_MAX = 1000000 }; /* libpng's */
-    return (width <= SIDE_MAX && height <= SIDE_MAX) ||
-           io_fail(error, "%s: %zu x %zu pixels are too many for PNG", out->name, width, height);
-}
-
 bool io_png_put_bytes(io_output *out, size_t width, size_t height, const uint8_t *rgb, io_error *error) {
+    enum { SIDE_MAX = 1000000 }; /* libpng's */
     png_image png = {.version = PNG_IMAGE_VERSION,
                      .width = (png_uint_32)width,
                      .height = (png_uint_32)height,
                      .format = PNG_FORMAT_RGB};
+    if (width > SIDE_MAX || height > SIDE_MAX)
+        return io_fail(error, "%s: %zu x %zu pixels are too many for PNG", out->name, width, height);
     errno = 0;
     /* Of a file libpng says only that it failed. */
-    return io_png_check_size(out, width, height, error) &&
-           (png_image_write_to_stdio(&png, out->file, 0, rgb, 0, NULL) ||
-            io_fail(error, "%s: cannot write: %s", out->name, errno != 0 ? strerror(errno) : png.message));
+    return png_image_write_to_stdio(&png, out->file, 0, rgb, 0, NULL) ||
+           io_fail(error, "%s: cannot write: %s", out->name, errno != 0 ? strerror(errno) : png.message);
 }
 
 /* IEC 61966-2-1. Light outside [0, 1] is cut off; NaN is black. */

@@ -52,7 +52,7 @@ static bool check(const io_npy *npy, io_error *error) {
     static const char *const types[] = {"<f4", "<f8", "<i2", "<u2"};
     if (!io_npy_expect_type(npy, types, sizeof types / sizeof types[0], error)) return false;
     char shape[128];
-    io_npy_shape_text(npy, shape, sizeof shape);
+    io_npy_shape_text(npy->header.rank, npy->header.shape, shape, sizeof shape);
     if (npy->header.rank != 2) return io_fail(error, "%s: shape %s, but a raster is (rows, columns)", npy->path, shape);
     /* If one side is empty, the other may have any length in a file of any size. */
     if (npy->header.shape[0] == 0 || npy->header.shape[1] == 0)

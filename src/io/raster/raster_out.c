@@ -27,12 +27,12 @@ struct io_raster_sink {
     const char *what;
     size_t bands_most; /* 0: any number */
     sidecar_list sidecars;
-    /* writer->output is open; on failure nothing is left but that. NULL: this build has no library for it. */
+    /* writer->output is open; on failure nothing is left but that. NULL: nothing comes before the rows. */
     bool (*create)(io_raster_writer *writer, io_error *error);
-    /* Rows from band 0 and row 0 on, or for GeoTIFF any windows. */
+    /* Rows from band 0 and row 0 on, of a picture all at once, or for GeoTIFF any windows. NULL: this build has no library for it. */
     bool (*write)(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,
                   io_error *error);
-    /* Ends the file, which is whole if so it says, and frees writer->state. */
+    /* Ends the file, which is whole if so it says, and frees writer->state. NULL: nothing comes after the rows. */
     bool (*finish)(io_raster_writer *writer, bool whole, io_error *error);
 };
 
@@ -51,33 +51,14 @@ static bool npy_write(io_raster_writer *w, size_t band, const io_raster_window *
     return io_output_write(&w->output, cells, window->nx * window->ny * io_cell_bytes(w->product.cell), error);
 }
 
-static bool npy_finish(io_raster_writer *w, bool whole, io_error *error) {
-    (void)w, (void)error;
-    return whole;
-}
-
 #ifdef CELLWALK_PNG
-/* Pictures are collected in memory. */
-static bool png_create(io_raster_writer *w, io_error *error) {
-    const size_t nx = w->product.nx, ny = w->product.ny;
-    if (!io_png_check_size(&w->output, nx, ny, error)) return false;
-    w->state = malloc(3 * nx * ny);
-    return w->state != NULL || io_fail(error, "%s: out of memory", w->output.name);
-}
-
 static bool png_write(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
                       io_error *error) {
-    const size_t row = 3 * w->product.nx;
-    (void)band, (void)error;
-    memcpy((char *)w->state + window->j * row, cells, window->ny * row);
-    return true;
+    (void)band;
+    return io_png_put_bytes(&w->output, window->nx, window->ny, cells, error);
 }
-
-static bool png_finish(io_raster_writer *w, bool whole, io_error *error) {
-    const bool good = whole && io_png_put_bytes(&w->output, w->product.nx, w->product.ny, w->state, error);
-    free(w->state);
-    return good;
-}
+#else
+#define png_write NULL
 #endif
 
 /* Of a GeoTIFF, by the system's reason if it was the system that failed: GDAL's own words name a function. */
@@ -119,12 +100,8 @@ static const char *const of_npy[] = {NULL}, *const of_tif[] = {".aux.xml", ".ovr
 enum { TIF, NPY, PNG, SINKS };
 static const struct io_raster_sink sinks[SINKS] = {
     {".tif", "GeoTIFF", 0, of_tif, tif_create, tif_write, tif_finish},
-    {".npy", "NumPy array", 0, of_npy, npy_create, npy_write, npy_finish},
-#ifdef CELLWALK_PNG
-    {".png", "picture", 1, of_png, png_create, png_write, png_finish},
-#else
-    {".png", "picture", 1, of_png, NULL, NULL, NULL},
-#endif
+    {".npy", "NumPy array", 0, of_npy, npy_create, npy_write, NULL},
+    {".png", "picture", 1, of_png, NULL, png_write, NULL},
 };
 
 static const struct io_raster_sink *sink_of(const char *path) {
@@ -146,7 +123,7 @@ bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
                        path);
     if (sink->bands_most > 0 && bands > sink->bands_most)
         return io_fail(error, "%s: a %s has no room for %zu bands; .tif and .npy have", path, sink->what, bands);
-    if (sink->create == NULL) return io_fail(error, "%s: this build has no library for that format", path);
+    if (sink->write == NULL) return io_fail(error, "%s: this build has no library for that format", path);
     io_error reason;
     if (sink == &sinks[TIF] && io_gdal_load(&reason) == NULL)
         return io_fail(error, "%s: GeoTIFF needs GDAL: %s; .npy and .png do without", path, reason.text);
@@ -225,7 +202,9 @@ bool io_raster_create(io_raster_writer *w, const char *path, const io_raster_pro
     *w = (io_raster_writer){.product = *product, .left = (uint64_t)product->bands * product->nx * product->ny};
     if (!io_raster_can_write(path, product->bands, error) || !io_output_open(&w->output, path, error)) return false;
     w->sink = sink_of(path);
-    if (check_sidecars(w, error) && (!has_world(w) || write_world(w, error)) && w->sink->create(w, error)) return true;
+    if (check_sidecars(w, error) && (!has_world(w) || write_world(w, error)) &&
+        (w->sink->create == NULL || w->sink->create(w, error)))
+        return true;
     end(w);
     return false;
 }
@@ -263,16 +242,20 @@ static bool commit(io_raster_writer *w, io_error *error) {
     return false;
 }
 
+static bool finish(io_raster_writer *w, bool whole, io_error *error) {
+    return w->sink->finish ? w->sink->finish(w, whole, error) : whole;
+}
+
 bool io_raster_commit(io_raster_writer *w, io_error *error) {
     const bool whole = w->left == 0;
     if (!whole) io_fail(error, "%s: rows are missing", w->output.name);
-    const bool good = w->sink->finish(w, whole, whole ? error : NULL) && commit(w, error);
+    const bool good = finish(w, whole, whole ? error : NULL) && commit(w, error);
     end(w);
     return good;
 }
 
 void io_raster_discard(io_raster_writer *w) {
     if (w->sink == NULL) return;
-    w->sink->finish(w, false, NULL);
+    finish(w, false, NULL);
     end(w);
 }

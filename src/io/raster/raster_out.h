@@ -65,7 +65,7 @@ bool io_raster_check_creation(const char *const *creation, size_t count, bool co
 
 /* On failure writer needs no discard. */
 bool io_raster_create(io_raster_writer *writer, const char *path, const io_raster_product *product, io_error *error);
-/* The next rows: bands one after the other, each from row 0 on. Of a picture, cells are three bytes, its colours. */
+/* The next rows: bands one after the other, each from row 0 on. Of a picture, all rows at once; cells are three bytes, its colours. */
 bool io_raster_write(io_raster_writer *writer, const void *cells, size_t rows, io_error *error);
 /* A rectangle of a band, in any order, each cell once; of a GeoTIFF alone. */
 bool io_raster_write_window(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,
