@@ -66,7 +66,7 @@ typedef struct tile_walk {
 /* A tile falls apart at a block in which cells to be tested times packets are at least FALL_APART times its rays, and at a node of
  * which more than CHILDREN_AT_MOST children must be visited. Rejected: groups of 16, which go on together from there
  * (papers/walks.md). */
-enum { FALL_APART = 2, CHILDREN_AT_MOST = 8 };
+enum { FALL_APART = 3, CHILDREN_AT_MOST = 8 };
 
 /* Queues those of the rays that cross the given node of the pyramid for the lane walk. */
 static inline void fall_apart(tile_walk *w, ray_set rays, int level, int32_t x, int32_t y) {
