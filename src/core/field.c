@@ -8,7 +8,6 @@
 #include "pyramid.h"
 #include "run.h"
 #include "sister.h"
-#include "survey.h"
 
 #include <math.h>
 #include <string.h>
@@ -81,8 +80,6 @@ static void copy_rows(void *context, size_t begin, size_t end) {
         for (size_t i = 0; i < s->nx; i++) to[i] = fabsf(from[i]) == INFINITY ? NAN : from[i];
     }
 }
-
-static cw_tiles all_tiles(const cw_field *f) { return (cw_tiles){0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}; }
 
 /* Samples that a thread takes at a time, more or less. */
 enum { GRAIN = 1 << 16 };
@@ -215,27 +212,18 @@ static cw_status check_update(const cw_field *f, const cw_update *u) {
     return in == CW_OK ? check_stride(u->stride, u->at.nx, u->at.ny) : in;
 }
 
-/* Tiles that have some of the rectangle's samples, be it on the border. */
-static cw_tiles tiles_of(const cw_field *f, const cw_update *u) {
-    const cw_tiles all = all_tiles(f);
-    const size_t x = (u->at.i + u->at.nx - 1) / TILE_SIDE, y = (u->at.j + u->at.ny - 1) / TILE_SIDE;
-    return (cw_tiles){(u->at.i > 0 ? u->at.i - 1 : 0) / TILE_SIDE, (u->at.j > 0 ? u->at.j - 1 : 0) / TILE_SIDE,
-                      x < all.x_last ? x : all.x_last, y < all.y_last ? y : all.y_last};
-}
-
 static cw_status update(cw_field *f, const cw_update *u, cw_pool *pool) {
     const bool borrowed = f->owned == NULL;
     samples s = {.f = f, .column = u->at.i, .row = u->at.j, .nx = u->at.nx};
     s.from = borrowed ? f->z + u->at.j * f->stride + u->at.i : u->samples;
     s.stride = borrowed ? f->stride : u->stride ? u->stride : u->at.nx;
     for (size_t j = 0; j < u->at.ny; j++) {
-        const cw_status status = cw_survey_check(s.from + j * s.stride, u->at.i, u->at.j + j, u->at.nx, !borrowed);
+        const cw_status status = cw_check_samples(s.from + j * s.stride, u->at.i, u->at.j + j, u->at.nx, !borrowed);
         if (status != CW_OK) return status;
     }
     if (!borrowed) cw_pool_run(pool, u->at.ny, GRAIN / u->at.nx, copy_rows, &s);
-    const cw_tiles changed = tiles_of(f, u);
     destroy_guest(f);
-    cw_pyramid_update(f, changed, pool);
+    cw_pyramid_update(f, &u->at, pool);
     return CW_OK;
 }
 

@@ -8,7 +8,6 @@
 #include "ieee.h"
 
 struct cw_pyramid;
-struct cw_tiles;
 
 /* What a kernel of another library walks on, which cw_kernel.build has made. An update destroys it. */
 typedef struct cw_guest {
@@ -36,9 +35,11 @@ struct cw_field {
     door door;               /* queries that run, and updates */
 };
 
-/* src/core/bounds/pyramid.c: looks at the samples, too. */
+/* src/core/bounds/pyramid.c. The first fails if a sample may not be part of a field; the second one's have been checked. */
 cw_status cw_pyramid_build(cw_field *field, const cw_run *how);
-void cw_pyramid_update(cw_field *field, struct cw_tiles changed, cw_pool *pool);
+void cw_pyramid_update(cw_field *field, const cw_rectangle *changed, cw_pool *pool);
 void cw_pyramid_destroy(const cw_field *field, struct cw_pyramid *pyramid);
+/* Fails if one of samples z[0..n), which are (i, j) and on, may not be part of a field. */
+cw_status cw_check_samples(const float *z, size_t i, size_t j, size_t n, bool infinities);
 
 #endif

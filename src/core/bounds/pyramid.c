@@ -1,49 +1,101 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Builds the pyramid, and repairs it after samples have changed: tiles first, which depend on samples alone, then
- * the levels above them one by one, and last the highest samples of nodes two by two. */
+/* Builds the pyramid, and repairs it after samples have changed: tiles first, which depend on samples alone, then the levels above
+ * them one by one, and last the highest samples of nodes two by two. Samples that are holes or refused are found with the tiles. So
+ * the number of holes is found again in little time when some samples change. */
 
 #include "pyramid.h"
 
 #include "fpenv.h"
 #include "memory.h"
 #include "run.h"
-#include "survey.h"
 
 #include <float.h>
+#include <stdatomic.h>
 
 static size_t blocks(size_t n) { return (n + 3) / 4; }
 
-/* Nodes of a level, all in. */
-typedef cw_tiles nodes;
+/* Nodes x to x_last, y to y_last of a level, all in. */
+typedef struct nodes {
+    size_t x, y, x_last, y_last;
+} nodes;
 
 /* The part to be built again: all of it, or the nodes that depend on some tiles. */
 typedef struct pyramid_job {
     cw_field *f;
     struct cw_pyramid *p;
-    cw_tiles tiles;
-    cw_refusal *refusal;
+    nodes tiles;
     int level;
     nodes nodes; /* of that level, or tiles, or bricks: what is worked on */
-    void (*one)(const struct pyramid_job *w, size_t x, size_t y);
+    void (*one)(struct pyramid_job *w, size_t x, size_t y);
+    atomic_uint_least64_t
+        refused; /* number of the first sample in the order of rows that is, for any number of threads */
 } pyramid_job;
 
 static size_t across(const nodes *n) { return n->x_last - n->x + 1; }
 static size_t count(const nodes *n) { return across(n) * (n->y_last - n->y + 1); }
 
+static size_t tiles_in(const cw_field *f) { return cw_pyramid_across(f, TILE_LEVEL) * cw_pyramid_down(f, TILE_LEVEL); }
+
+/* ---- samples ----------------------------------------------------------------------------------------------------- */
+
+static cw_status fail_sample(size_t i, size_t j, float z) {
+    return cw_fail(CW_ERROR_SAMPLE, "sample (%zu, %zu) is %g; %s", i, j, (double)z,
+                   isfinite(z) ? "heights lie within plus or minus 2^100" : "borrowed samples mark holes by NaN alone");
+}
+
+/* True if one of n samples is no height. Without a branch, so that compilers vectorize it. */
+static bool some_odd(const float *z, size_t n) {
+    int32_t odd = 0;
+    for (size_t k = 0; k < n; k++) odd |= !(fabsf(z[k]) <= CW_HEIGHT_MAX);
+    return odd != 0;
+}
+
+cw_status cw_check_samples(const float *z, size_t i, size_t j, size_t n, bool infinities) {
+    const bool odd = some_odd(z, n);
+    for (size_t k = 0; odd && k < n; k++)
+        if (fabsf(z[k]) > CW_HEIGHT_MAX && !(infinities && isinf(z[k]))) return fail_sample(i + k, j, z[k]);
+    return CW_OK;
+}
+
+static void refuse(pyramid_job *w, uint64_t number) {
+    uint64_t first = atomic_load(&w->refused);
+    while (number < first && !atomic_compare_exchange_weak(&w->refused, &first, number)) continue;
+}
+
+/* Holes among the samples that tile (x, y) owns: each sample is owned by one tile, the one in which it is not on the last row or
+ * column, if there is one. Also finds refused ones. */
+static uint32_t count_holes(pyramid_job *w, size_t x, size_t y) {
+    const cw_field *f = w->f;
+    const size_t begin = x * TILE_SIDE, end = x + 1 < cw_pyramid_across(f, TILE_LEVEL) ? begin + TILE_SIDE : f->nx;
+    const size_t row = y * TILE_SIDE, row_end = y + 1 < cw_pyramid_down(f, TILE_LEVEL) ? row + TILE_SIDE : f->ny;
+    uint32_t holes = 0;
+    for (size_t j = row; j < row_end; j++) {
+        const float *z = f->z + j * f->stride;
+        for (size_t i = some_odd(z + begin, end - begin) ? begin : end; i < end; i++)
+            if (isnan(z[i]))
+                holes++;
+            else if (fabsf(z[i]) > CW_HEIGHT_MAX)
+                refuse(w, (uint64_t)j * f->nx + i);
+    }
+    return holes;
+}
+
+/* ---- parts ------------------------------------------------------------------------------------------------------- */
+
 static void do_each(void *context, size_t begin, size_t end) {
-    const pyramid_job *w = context;
+    pyramid_job *w = context;
     const fpenv caller = fpenv_enter();
     for (size_t k = begin; k < end; k++)
         w->one(w, w->nodes.x + k % across(&w->nodes), w->nodes.y + k / across(&w->nodes));
     fpenv_leave(caller);
 }
 
-static void do_tile(const pyramid_job *w, size_t x, size_t y) {
-    w->p->holes[y * cw_tiles_across(w->f) + x] = cw_count_holes(w->f, x, y, w->refusal);
+static void do_tile(pyramid_job *w, size_t x, size_t y) {
+    w->p->holes[y * cw_pyramid_across(w->f, TILE_LEVEL) + x] = count_holes(w, x, y);
     cw_pyramid_tile(w->f, w->p, x, y);
 }
 
-static void do_slab(const pyramid_job *w, size_t x, size_t y) { cw_pyramid_node_slab(w->f, w->p, w->level, x, y); }
+static void do_slab(pyramid_job *w, size_t x, size_t y) { cw_pyramid_node_slab(w->f, w->p, w->level, x, y); }
 
 /* ---- ahead ------------------------------------------------------------------------------------------------------- */
 
@@ -56,7 +108,7 @@ static float node_high(const cw_pyramid_level *l, size_t x, size_t y) {
 }
 
 /* The numbers of brick (x, y), from the nodes of it and of the bricks before it. */
-static void do_ahead(const pyramid_job *w, size_t x, size_t y) {
+static void do_ahead(pyramid_job *w, size_t x, size_t y) {
     const cw_pyramid_level *l = &w->p->level[w->level];
     const size_t across = 4 * (size_t)l->across + 1, down = 4 * (size_t)l->down + 1;
     float high[5][5];
@@ -72,7 +124,7 @@ static void do_ahead(const pyramid_job *w, size_t x, size_t y) {
 
 /* Nodes of a level that the tiles, level TILE_LEVEL, reach into. */
 static nodes nodes_of(const pyramid_job *w, int level) {
-    const cw_tiles *t = &w->tiles;
+    const nodes *t = &w->tiles;
     if (level >= TILE_LEVEL) {
         const int up = 2 * (level - TILE_LEVEL);
         return (nodes){t->x >> up, t->y >> up, t->x_last >> up, t->y_last >> up};
@@ -101,6 +153,19 @@ static float steepest(const cw_field *f, const struct cw_pyramid *p) {
     return (float)most;
 }
 
+/* From farther away than this, a ray's origin would add more to errors than the field itself does: half a side's
+ * length outside the field; and eight times its range of heights above or below, as rays from a camera above should
+ * count as near. */
+static void set_reach(cw_field *f) {
+    const float range = f->high - f->low;
+    f->middle[0] = 0.5f * (float)(f->nx - 1);
+    f->middle[1] = 0.5f * (float)(f->ny - 1);
+    f->middle[2] = range >= 0 ? 0.5f * (f->low + f->high) : 0;
+    f->reach[0] = (float)(f->nx - 1);
+    f->reach[1] = (float)(f->ny - 1);
+    f->reach[2] = range > 0 ? 8 * range : INFINITY; /* on a level field, or none, heights cost no accuracy */
+}
+
 /* Sets the field's numbers. */
 static void total(cw_field *f, struct cw_pyramid *p) {
     const float *brick = p->level[p->levels - 1].bricks;
@@ -112,8 +177,8 @@ static void total(cw_field *f, struct cw_pyramid *p) {
     f->low = low + 0.0f; /* which zero is lowest would depend on the order of samples */
     f->high = p->high = high + 0.0f;
     f->holes = 0;
-    for (size_t k = 0; k < cw_tiles_across(f) * cw_tiles_down(f); k++) f->holes += p->holes[k];
-    cw_set_reach(f);
+    for (size_t k = 0; k < tiles_in(f); k++) f->holes += p->holes[k];
+    set_reach(f);
 }
 
 /* Everything above the tiles, which are done. */
@@ -161,7 +226,7 @@ static bool lay_out(struct cw_pyramid *p, const cw_field *f) {
     for (int l = TILE_LEVEL; l < p->levels || l == TILE_LEVEL; l++)
         sums += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);
     p->bytes = bricks * BRICK_FLOATS * sizeof(float) + slabs * sizeof(cw_pyramid_slab) + sums * sizeof(cw_pyramid_sum) +
-               aheads * sizeof(float) + cw_tiles_across(f) * cw_tiles_down(f) * sizeof *p->holes;
+               aheads * sizeof(float) + tiles_in(f) * sizeof *p->holes;
     p->memory = cw_memory_allocate(&f->memory, p->bytes);
     if (p->memory == NULL) return false;
     p->slab = (cw_pyramid_slab *)((float *)p->memory + bricks * BRICK_FLOATS);
@@ -190,32 +255,39 @@ static void clear_upper(struct cw_pyramid *p) {
 /* Tiles that a thread takes at a time: neighbours in a row, which share cache lines. */
 enum { TILES_AT_ONCE = 4 };
 
+/* The work on those that have some of the samples, be it on the border. */
+static pyramid_job tile_job(cw_field *f, const cw_rectangle *at, struct cw_pyramid *p) {
+    const size_t x = (at->i + at->nx - 1) / TILE_SIDE, y = (at->j + at->ny - 1) / TILE_SIDE;
+    const nodes tiles = {(at->i > 0 ? at->i - 1 : 0) / TILE_SIDE, (at->j > 0 ? at->j - 1 : 0) / TILE_SIDE,
+                         least(x, cw_pyramid_across(f, TILE_LEVEL) - 1), least(y, cw_pyramid_down(f, TILE_LEVEL) - 1)};
+    return (pyramid_job){.f = f, .p = p, .tiles = tiles, .nodes = tiles, .one = do_tile, .refused = UINT64_MAX};
+}
+
 cw_status cw_pyramid_build(cw_field *f, const cw_run *how) {
-    cw_refusal refusal = {CW_REFUSED_NONE};
-    pyramid_job w = {
-        .f = f, .tiles = {0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}, .refusal = &refusal, .one = do_tile};
-    w.nodes = w.tiles;
-    w.p = cw_memory_clear(&f->memory, sizeof *w.p);
-    if (w.p == NULL || !lay_out(w.p, f)) {
-        cw_pyramid_destroy(f, w.p);
+    struct cw_pyramid *p = cw_memory_clear(&f->memory, sizeof *p);
+    if (p == NULL || !lay_out(p, f)) {
+        cw_pyramid_destroy(f, p);
         return cw_fail_plainly(CW_ERROR_MEMORY);
     }
-    clear_upper(w.p);
+    clear_upper(p);
+    pyramid_job w = tile_job(f, &(cw_rectangle){0, 0, f->nx, f->ny}, p);
     cw_status status = cw_run_work(how, count(&w.tiles), TILES_AT_ONCE, TILES_AT_ONCE, do_each, &w);
-    if (status == CW_OK) status = cw_refusal_status(f, &refusal);
+    if (status == CW_OK && w.refused != UINT64_MAX) {
+        const size_t i = w.refused % f->nx, j = w.refused / f->nx;
+        status = fail_sample(i, j, f->z[j * f->stride + i]);
+    }
     if (status != CW_OK) {
-        cw_pyramid_destroy(f, w.p);
+        cw_pyramid_destroy(f, p);
         return status;
     }
     do_upper(&w, how->pool);
-    f->pyramid = w.p;
+    f->pyramid = p;
     return CW_OK;
 }
 
-void cw_pyramid_update(cw_field *f, cw_tiles changed, cw_pool *pool) {
-    cw_refusal refusal = {CW_REFUSED_NONE}; /* nothing will be: the samples have been checked */
-    pyramid_job w = {.f = f, .p = f->pyramid, .tiles = changed, .refusal = &refusal, .nodes = changed, .one = do_tile};
-    cw_pool_run(pool, count(&changed), TILES_AT_ONCE, do_each, &w);
+void cw_pyramid_update(cw_field *f, const cw_rectangle *at, cw_pool *pool) {
+    pyramid_job w = tile_job(f, at, f->pyramid);
+    cw_pool_run(pool, count(&w.tiles), TILES_AT_ONCE, do_each, &w);
     do_upper(&w, pool);
 }
 

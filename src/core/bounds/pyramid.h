@@ -29,6 +29,9 @@ static inline size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
 enum { PYRAMID_LEVELS_MAX = 12, BRICK_FLOATS = 32 };
 
+/* A *tile* is a node of this level, and its cells along one side. */
+enum { TILE_LEVEL = 2, TILE_SIDE = 64 };
+
 /* Bound on the rounding error of a ray's height above a slab's plane, including that of the watertight test, as a
  * part of the numbers that the height is computed from: 32 u, of which papers/numerics.md accounts for 29. */
 #define SLAB_ROUNDING 0x1p-19f
@@ -54,7 +57,7 @@ typedef struct cw_pyramid_slab {
 } cw_pyramid_slab;
 
 /* Sums from which the planes of larger nodes are fitted, and the steepest slope in a node, at any level: over the
- * samples that the node owns, as a tile does (survey.h). x and y count from its first sample. NaN if one of them is
+ * samples that the node owns, as a tile does (count_holes). x and y count from its first sample. NaN if one of them is
  * a hole. */
 typedef struct cw_pyramid_sum {
     double z, xz, yz; /* sums of z, x · z and y · z */
@@ -73,7 +76,7 @@ struct cw_pyramid {
     /* Of nodes of level TILE_LEVEL, which stand for tiles even if there are fewer levels, and above: in rows as
      * slabs are. */
     cw_pyramid_sum *sum[PYRAMID_LEVELS_MAX];
-    uint32_t *holes; /* of each tile, in rows: in the samples that it owns (survey.h) */
+    uint32_t *holes; /* of each tile, in rows: in the samples that it owns */
     void *memory;
     size_t bytes;
 };

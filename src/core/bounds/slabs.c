@@ -4,7 +4,6 @@
  * which are thicker at each level (papers/walks.md). */
 
 #include "pyramid.h"
-#include "survey.h"
 
 #include <float.h>
 
@@ -13,8 +12,8 @@
 static void enclose_tiles(cw_pyramid_slab *s, const cw_field *f, const struct cw_pyramid *p, int level, size_t x,
                           size_t y, double heights) {
     const int shift = 2 * (level - TILE_LEVEL);
-    const size_t across = cw_tiles_across(f), end_x = least((x + 1) << shift, across);
-    const size_t end_y = least((y + 1) << shift, cw_tiles_down(f));
+    const size_t across = cw_pyramid_across(f, TILE_LEVEL), end_x = least((x + 1) << shift, across);
+    const size_t end_y = least((y + 1) << shift, cw_pyramid_down(f, TILE_LEVEL));
     const double half = 0.5 * TILE_SIDE, tiles = (double)((size_t)1 << shift), sx = (double)s->slope_x,
                  sy = (double)s->slope_y;
     double low = (double)INFINITY, high = -(double)INFINITY;

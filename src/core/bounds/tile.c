@@ -9,7 +9,6 @@
  * of building 4097² and 8193². */
 
 #include "pyramid.h"
-#include "survey.h"
 
 #include <float.h>
 #include <string.h>
@@ -118,7 +117,7 @@ static void measure_distances(const node_row *r) {
 }
 
 static cw_pyramid_sum *tile_sum(const tile *t) {
-    return &t->p->sum[TILE_LEVEL][t->row / TILE_SIDE * cw_tiles_across(t->f) + t->column / TILE_SIDE];
+    return &t->p->sum[TILE_LEVEL][t->row / TILE_SIDE * cw_pyramid_across(t->f, TILE_LEVEL) + t->column / TILE_SIDE];
 }
 
 /* Sums from which the planes of larger nodes are fitted. */
