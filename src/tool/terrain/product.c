@@ -31,7 +31,7 @@ static void add_rows(product *p, option_spec *to) {
         option_flag("cog", &p->cog, "write a Cloud Optimized GeoTIFF: GDAL's -of COG"),
         option_several("co", "NAME=VALUE", &p->creation,
                        "a creation option for GDAL's GTiff driver, or for COG with --cog, as COMPRESS=ZSTD (default: "
-                       "deflate, which every program reads); may be given several times"),
+                       "PackBits for bytes, else deflate, which every program reads); may be given several times"),
         option_flag("quiet", &p->quiet, "leave out the line at the end"),
     };
     memcpy(to, rows, sizeof rows);

@@ -87,28 +87,36 @@ static char **limit_threads(char **options) {
  * size before compression, which is larger as a rule: 2 GB of 4 are enough for what is added then. */
 static char **make_options(const io_raster_product *p, char **own, const char *compression, const char *more) {
     char text[300];
-    const bool other = CSLFetchNameValue(own, "COMPRESS") != NULL || p->uncompressed;
-    snprintf(text, sizeof text, "COMPRESS=%s BIGTIFF=IF_SAFER NUM_THREADS=%u %s %s",
-             p->uncompressed ? "NONE" : "DEFLATE", choose_threads(p), other ? "" : compression, more);
+    const bool other = CSLFetchNameValue(own, "COMPRESS") != NULL;
+    snprintf(text, sizeof text, "%s BIGTIFF=IF_SAFER NUM_THREADS=%u %s",
+             p->uncompressed ? "COMPRESS=NONE"
+             : other         ? ""
+                             : compression,
+             choose_threads(p), more);
     char **options = CSLMerge(CSLTokenizeString(text), own);
     CSLDestroy(own);
     return limit_threads(options);
 }
 
 static char **tiff_options(const io_raster_product *p) {
-    static const char *const predictors[] = {"1", "2", "3", "2"}; /* by the kind of cell */
-    char compression[40], more[200];
-    /* Floats get hardly smaller by higher levels, but take three times as long. */
-    snprintf(compression, sizeof compression, "ZLEVEL=1 PREDICTOR=%s", predictors[p->cell]);
+    /* By the kind of cell. Flags and small counts come in long runs, which PackBits takes in next to no time. Floats get hardly
+     * smaller by higher levels of Deflate, but take three times as long. */
+    static const char *const usual[] = {"COMPRESS=PACKBITS", "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=2",
+                                        "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=3",
+                                        "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=2"};
+    char more[200], **own = p->cog ? NULL : list_of(p->creation, p->creation_count);
+    const char *compression = usual[p->cell];
+    if (CSLFetchNameValue(own, "ZLEVEL") || CSLFetchNameValue(own, "PREDICTOR"))
+        compression = p->cell == IO_CELL_UINT8 ? "COMPRESS=DEFLATE ZLEVEL=1" : compression;
     snprintf(more, sizeof more, "TILED=YES BLOCKXSIZE=%zu BLOCKYSIZE=%zu INTERLEAVE=BAND PHOTOMETRIC=MINISBLACK",
              io_raster_tile_side(p->nx), io_raster_tile_side(p->ny));
-    return make_options(p, p->cog ? NULL : list_of(p->creation, p->creation_count), compression, more);
+    return make_options(p, own, compression, more);
 }
 
 static char **cog_options(const io_raster_product *p) {
     /* Flags and counts have no mean. GDAL's cubic one leaves the range of the values. */
     const bool counts = p->cell == IO_CELL_UINT8 || p->cell == IO_CELL_UINT16;
-    return make_options(p, list_of(p->creation, p->creation_count), "LEVEL=1 PREDICTOR=YES",
+    return make_options(p, list_of(p->creation, p->creation_count), "COMPRESS=DEFLATE LEVEL=1 PREDICTOR=YES",
                         counts ? "OVERVIEW_RESAMPLING=NEAREST" : "OVERVIEW_RESAMPLING=AVERAGE");
 }
 
