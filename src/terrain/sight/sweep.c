@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, BESIDE = 3 };
+enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, BESIDE = 3, LOWS_EVERY = 4 };
 
 /* Whether something next to the eye may be that high at a distance. A direction at a border of two ranges, as far as rounding can
  * tell, has the steeper rise. */
@@ -46,6 +46,11 @@ static void look_around(sweep_part *p) {
     }
 }
 
+/* The sample at or behind a bin's left border. */
+static long bin_begin(const sweep_part *p, double r, size_t b) {
+    return sweep_clipped(p, ceil(p->aside + r * (p->from + (double)b * p->width)));
+}
+
 /* Samples of a row about which nothing is open. */
 typedef struct span {
     long first, count;
@@ -65,6 +70,39 @@ static uint64_t hand_on(const sweep_part *p, long row, const span *s) {
     return p->visit_span(p->context, &all);
 }
 
+static void append(const sweep_part *p, long row, span *seen, long i) {
+    if (seen->first + seen->count != i) {
+        hand_on(p, row, seen);
+        *seen = (span){.first = i};
+    }
+    seen->count++;
+}
+
+/* Goes over samples of the row, off the range's ends, that one piece of the skyline shows to be seen or hidden: as far as the first
+ * that it does not decide. */
+static long pass_decided(const sweep_part *p, long row, long i, long end, uint32_t *start, span *seen) {
+    const double r = sweep_distance(p, row), per_row = 1 / r, error = sweep_error(p, r), margin = p->margin;
+    const bool right = p->from >= 0, ground = p->target == 0;
+    const double *leans = (right == (p->outward > 0) ? p->front : p->back) - right;
+    const skyline_piece *piece = p->line.pieces + *start;
+    double next = p->line.pieces[piece->next].from;
+    for (; i < end; i++) {
+        if (ground && leans[i] > margin) continue;
+        const double u = ((double)i - p->aside) * per_row, h = p->far_height[i] + p->target, top = h * per_row;
+        while (next <= u - SKYLINE_BLUR) {
+            *start = piece->next;
+            piece = p->line.pieces + *start;
+            next = p->line.pieces[piece->next].from;
+        }
+        const double rise = piece->a + piece->b * u;
+        if (next < u + SKYLINE_BLUR) break;
+        if (top < rise - (double)piece->below - error) continue;
+        if (!(top > rise + error && leans[i] < -margin) || reaches_around(p, u, r, h)) break;
+        append(p, row, seen, i);
+    }
+    return i;
+}
+
 /* The samples of the row in these directions; nothing in it and the two rows before it, here and next to here, rises by more than
  * reach. The last part of a quarter has both ends. Directions of exactly 45 degrees belong to the quarters whose rows are rows. */
 static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_t start, double reach) {
@@ -72,8 +110,12 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
     const bool rising = p->outward > 0, all = r <= sweep_close_rows, every = p->target == INFINITY;
     const bool on_samples = p->aside == floor(p->aside) && p->eye == floor(p->eye);
     const double *left_of = rising ? p->front : p->back, *right_of = rising ? p->back : p->front;
+    const long inner = bin_begin(p, r, 0) + 1,
+               outer = !(all || every) && p->target >= 0 ? bin_begin(p, r, p->bins) - 2 : 0;
     span seen = {0};
     for (long i = begin; i < end; i++) {
+        if (i >= inner && i < outer) i = pass_decided(p, row, i, end < outer ? end : outer, &start, &seen);
+        if (i == end) break;
         const double h = p->far_height[i];
         const double x = (double)i - p->aside, u = x * per_row;
         const bool after = u >= p->from || p->from == -1, before = u < p->until || p->until == 1;
@@ -94,14 +136,8 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
             way.low = sweep_larger((p->ahead - error) * r, way.low);
             p->ahead = sweep_larger(h * per_row, p->ahead);
         }
-        const double above = every ? 0 : p->target;
-        if (!all && (h + above) * per_row > high + error && above >= 0 && leans < -p->margin &&
-            !reaches_around(p, u, r, h + above)) {
-            if (seen.first + seen.count != i) {
-                hand_on(p, row, &seen);
-                seen = (span){.first = i};
-            }
-            seen.count++;
+        if (every && !all && h * per_row > high + error && leans < -p->margin && !reaches_around(p, u, r, h)) {
+            append(p, row, &seen, i);
             continue;
         }
         double least, most, doubt;
@@ -155,16 +191,17 @@ static void visit_calm(sweep_part *p, long row, const float *far, long begin, lo
     }
 }
 
-/* What the bins from begin up to end know of the skyline, after edges were added up to direction reached. A bin behind them may have
- * had its start in a piece that is gone, since pieces on one line become one. */
-static void look_again(sweep_part *p, size_t begin, size_t end, double reached) {
+/* What the bins from begin up to end know of the skyline, after edges were added up to direction reached; lows: also how low it is,
+ * for which an old bound would do. A bin behind them may have had its start in a piece that is gone, since pieces on one line
+ * become one. */
+static void look_again(sweep_part *p, size_t begin, size_t end, double reached, bool lows) {
     uint32_t start = begin > 0 ? p->of[begin - 1].start : SKYLINE_FIRST;
     for (size_t b = begin; b < p->bins; b++) {
         const double left = p->from + (double)b * p->width - 2 * SKYLINE_BLUR;
         start = skyline_find(&p->line, start, left);
         if (b > end && p->line.pieces[start].from > reached) break;
         p->of[b].start = start;
-        if (b < end) p->of[b].low = cw_skyline_least(&p->line, start, left, left + p->width + 4 * SKYLINE_BLUR);
+        if (b < end && lows) p->of[b].low = cw_skyline_least(&p->line, start, left, left + p->width + 4 * SKYLINE_BLUR);
     }
 }
 
@@ -176,13 +213,8 @@ static bool refine(sweep_part *p) {
     p->of = of;
     p->bins *= 2;
     p->width /= 2;
-    look_again(p, 0, p->bins, INFINITY);
+    look_again(p, 0, p->bins, INFINITY, true);
     return true;
-}
-
-/* The sample at or behind a bin's left border. */
-static long bin_begin(const sweep_part *p, double r, size_t b) {
-    return sweep_clipped(p, ceil(p->aside + r * (p->from + (double)b * p->width)));
 }
 
 /* Goes on to the row in the bins from begin up to end: samples of it from left up to right. */
@@ -199,14 +231,18 @@ static void look_at(sweep_part *p, long row, const float *far, size_t begin, siz
         cw_sweep_add_row(p, r, from, until, start);
     }
     uint32_t at = start;
-    for (size_t b = begin; b < end; b++) {
-        const long next = b + 1 < end ? bin_begin(p, r, b + 1) : right;
+    const bool every =
+        p->target == INFINITY; /* to these alone reach matters, and their last digits may depend on the bounds */
+    const size_t bins = every ? 1 : end - begin;
+    for (size_t b = begin; b < end; b += bins) {
+        const long next = b + bins < end ? bin_begin(p, r, b + bins) : right;
         const double *high = p->of[b].high;
         at = visit_row(p, row, left, next, at, sweep_larger(high[0], sweep_larger(high[1], high[2])));
         left = next;
     }
     if (p->near) cw_sweep_add_between(p, r, from, until, start);
-    look_again(p, begin, end, ((double)until - p->aside) / fmax(r - 1, sweep_first_distance));
+    look_again(p, begin, end, ((double)until - p->aside) / fmax(r - 1, sweep_first_distance),
+               every || row % LOWS_EVERY == 0);
 }
 
 /* No sample from left up to right, and next to them, is higher over the eye. */

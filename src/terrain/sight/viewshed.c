@@ -105,6 +105,14 @@ static inline size_t place_in(const job *q, const sweep_span *s, size_t k) {
 
 static uint64_t see_span(void *context, const sweep_span *s) {
     const job *q = context;
+    const size_t end = s->count - 1, first = place_of(q, s->i, s->j),
+                 last = place_of(q, s->down ? s->i : s->i + end, s->down ? s->j + end : s->j);
+    if (!q->v->limits.any && !q->to.sum && !q->to.angle && first != SIZE_MAX && last != SIZE_MAX) {
+        uint16_t *seen = q->to.seen + first;
+        const size_t step = s->down ? q->area.stride : 1;
+        for (size_t k = 0; k < s->count; k++) seen[k * step]++;
+        return 0;
+    }
     for (size_t k = 0; k < s->count; k++) {
         const size_t at = place_in(q, s, k);
         if (at != SIZE_MAX) put_seen(q, s->down ? s->i : s->i + k, s->down ? s->j + k : s->j, at);
