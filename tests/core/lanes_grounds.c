@@ -99,7 +99,7 @@ size_t adversarial_rays(const ground *g, cw_ray *rays, size_t most, random_state
 
 /* ---- known ------------------------------------------------------------------------------------------------------- */
 
-/* A component that counts as zero, signs of zeros, and a tower. All samples are 0 but for four. */
+/* A component that counts as zero, signs of zeros, a tower, and a range that is the hit alone. All samples are 0 but for four. */
 static const struct {
     field_size size;
     size_t at[4];
@@ -119,6 +119,7 @@ static const struct {
      {20 * 47 + 12, 21 * 47 + 13},
      {0x1.98p+42f, -37},
      {{0, 28.5f, -16.75f}, -108, {-14.25f, 9.25f, 23}, INFINITY}},
+    {{2, 2}, {0, 1, 2, 3}, {0}, {{0.25f, 0.5f, 3}, 3, {0, 0, -1}, 3}},
 };
 
 cw_field *known_field(ground *g, random_state *r) {

@@ -24,7 +24,7 @@ typedef struct ground {
 } ground;
 
 enum { WIDE = (1 << 20) + 300, WIDE_ROWS = 13, GROUND_SAMPLES = WIDE * WIDE_ROWS };
-enum { RUN_MAX = 4096, KNOWN = 4, KNOWN_RAYS = 51, CORNERS = 24, ALL_SHAPES = (FIELD_SIZES + 1) * FIELD_ALL_SHAPES };
+enum { RUN_MAX = 4096, KNOWN = 5, KNOWN_RAYS = 51, CORNERS = 24, ALL_SHAPES = (FIELD_SIZES + 1) * FIELD_ALL_SHAPES };
 
 /* A small whole number of either sign. */
 static inline int few(random_state *r, int most) { return (int)random_below(r, 2 * (size_t)most + 1) - most; }

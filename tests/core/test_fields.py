@@ -308,6 +308,7 @@ def test_fields_do_not_depend_on_the_environment(library, modes):
         library.call("set_mode", mode)
         field, mapped = library.field(z), library.field(np.ones((3, 3)), map)
         moved = library.of_each("cw_rays_to_field", mapped, ray, RAY).tobytes()
+        library.well("cw_field_update", field, None, library.struct("cw_update", at=(1, 1, 5, 5), samples=library.keep(z[2:7, 2:7].astype("f4"))))
         library.well("cw_field_build", field, library.run(kernel="grid3d"))
         library.call("set_mode", 99)
         hits = [library.closest(field, down, library.run(kernel=kernel)) for _, kernel, _ in library.kernels()]
