@@ -49,13 +49,14 @@ static void look_along(const terrain *t, const double *d, double *to) {
     to[3] = cw_sight_steepest(&s, d[4], d[5], -INFINITY).steepest;
     cw_terrain_bounds_release(t, bounds);
 }
-/* 0: a new skyline. 1: an edge from (u, w) to (u, w) is added, from the last piece on that begins before a place, sought from the last such
- * piece on or anew; says whether who has found a piece behind the edge finds on from it. 2: looks in a direction, from the last look on or
- * anew. 3: the least between two directions. */
+/* 0: a new skyline; says of how many pieces the one before was. 1: an edge from (u, w) to (u, w) is added, from the last piece on that begins
+ * before a place, sought from the last such piece on or anew; says whether who has found a piece behind the edge finds on from it. 2: looks in
+ * a direction, from the last look on or anew. 3: the least between two directions. */
 static void look_at_skyline(const terrain *t, const double *d, double *to) {
     static skyline line;
     static uint32_t at, before;
     if (d[0] == 0) {
+        to[0] = line.count;
         cw_skyline_free(&line);
         stop_unless(cw_skyline_init(&line, -1, 1), "skyline");
     } else if (d[0] == 1) {

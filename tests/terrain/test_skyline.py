@@ -9,7 +9,7 @@ NEW, ADD, LOOK, LEAST = range(4)  # what library_terrain.h does
 
 
 def check(edges, directions, low, high):
-    """Edges from (u, w) to (u, w). An edge of no width is all between its heights."""
+    """Edges from (u, w) to (u, w). An edge of no width is all between its heights. Returns the lowest that the skyline can be."""
     edges = np.where(edges[:, :1] > edges[:, 2:3], edges[:, [2, 3, 0, 1]], edges)
     (a, wa, b, wb), u = edges.T[..., None], np.asarray(directions)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -19,27 +19,32 @@ def check(edges, directions, low, high):
     # Elsewhere than next to an end the two are one.
     near = (u > a - 4 * BLUR) & (u < b + 4 * BLUR)
     near &= (b - a < BLUR) | (np.abs(u - a) < 4 * BLUR) | (np.abs(u - b) < 4 * BLUR)
-    plain = ~near.any(0) & (low > -np.inf)
+    plain = ~near.any(0) & (lowest > -np.inf) & (np.abs(u) < 1 - 4 * BLUR)
     assert (high[plain] - low[plain]).max(initial=0) < 1e-2
+    return lowest
 
 
 def test_edges_one_by_one(lands):
     for number in taken(range(400), 80):
         r = np.random.default_rng(number)
-        edges, rows = [], [[NEW, 0, 0, 0, 0, 0, 0]]
+        edges, rows, close = [], [[NEW, 0, 0, 0, 0, 0, 0]], number % 3 == 0
+        size = 5 * BLUR if close else 1  # then nothing but narrow edges is within reach of a look
         for _ in range(r.integers(1, 61)):
-            u, w = edges[-1][2:] if edges and r.random() < 1 / 3 else (r.uniform(-1.2, 1.2), r.random())
-            wide = r.choice([0.01 * BLUR, 0, 3 * BLUR, *[0.4] * 5])
-            edges.append([u, w, u + r.uniform(-wide, wide), r.random()])
+            heights = np.rint(4 * r.random(2)) / 4 if close else r.random(2)
+            u, w = edges[-1][2:] if edges and r.random() < 1 / 3 else (size * r.uniform(-1.2, 1.2), heights[0])
+            wide = r.choice([0.01 * BLUR, 0, 3 * BLUR, *[0.4 * size] * 5])
+            edges.append([u, w, u + r.uniform(-wide, wide), heights[1]])
             left = min(edges[-1][0], edges[-1][2]) - 1e-3
             rows.append([ADD, *edges[-1], 0, max(left, -1.5) if r.random() < 0.5 else -np.inf])
         edges = np.array(edges)
-        far = np.cumsum([-1, *r.uniform(0, 0.01, 500)])
-        far, ends = far[far <= 1], edges[:, ::2][np.abs(edges[:, ::2]) < 1]
-        rows += [[LOOK, u, k > 0, 0, 0, 0, 0] for k, u in enumerate(far)] + [[LOOK, u, 0, 0, 0, 0, 0] for u in ends] + [[LEAST, -1, far[-1], 0, 0, 0, 0]]
+        far = size * np.cumsum([-1, *r.uniform(0, 0.01, 500)])
+        far, ends = far[far <= size], edges[:, ::2][np.abs(edges[:, ::2]) < 1]
+        parts = [(k, min(k + r.integers(2, 9), len(far))) for k in range(len(far) - 1)]
+        rows += [[LOOK, u, k > 0, 0, 0, 0, 0] for k, u in enumerate(far)] + [[LOOK, u, 0, 0, 0, 0, 0] for u in ends]
+        rows += [[LEAST, far[k], far[last - 1], 0, 0, 0, 0] for k, last in parts]
         found = lands.table("skyline", rows)[1 + len(edges):]
-        check(edges, [*far, *ends], *found[:-1].T)
-        assert found[-1, 0] <= found[:len(far), 1].min()
+        lowest = check(edges, [*far, *ends], *found[:-len(parts)].T)
+        assert all(least <= lowest[k:last].min() + 1e-9 for (k, last), least in zip(parts, found[-len(parts):, 0]))
 
 
 def test_rows_of_edges(lands):
@@ -53,8 +58,11 @@ def test_rows_of_edges(lands):
             edges.append(edge)
             rows.append([ADD, *(edge if i % 2 else edge[2:] + edge[:2]), i > 0, u[i] - 1e-2])
         rows += [[LOOK, u, k > 0, 0, 0, 0, 0] for k, u in enumerate(places)]
+    edges.append([-1.1, 0.5, 1.1, 0.5])  # is cut into more pieces than there are
+    rows += [[ADD, *edges[-1], 0, -1.11], *rows[-len(places):], [NEW, 0, 0, 0, 0, 0, 0]]
     kinds, found, edges = np.array(rows)[:, 0], lands.table("skyline", rows), np.array(edges)
+    assert found[-1, 0] < 400, "pieces that are gone are not used again"
     assert (found[kinds == ADD, 0] == 1).all(), "a piece behind is lost"
-    looks = found[kinds == LOOK].reshape(40, len(places), 2)
+    looks = found[kinds == LOOK].reshape(41, len(places), 2)
     for row, look in enumerate(looks):
         check(edges[:sum(across - k for k in range(row + 1))], places, *look.T)
