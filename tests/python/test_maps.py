@@ -138,6 +138,20 @@ def test_lines_of_sight(maps):
     assert np.mean(np.all(np.array(seen) == seen[0], axis=0)) >= 0.9 and 3 < sum(seen[0]) < 17
 
 
+def test_distances_end_after_metres(maps):
+    """max_distance counts on the ground: a viewshed's against chords of the ellipsoid; and lines go so far and no farther."""
+    most = 1234.0
+    for name, path in maps.items():
+        field, (x, y) = cw.open(path), np.ravel(transform("EPSG:32632", MAPS[name], *([v] for v in MIDDLE)))
+        j, i = np.indices(field.shape) + 0.5
+        spots = to_space(*map(np.array, degrees_of(MAPS[name], *(np.append(v, eye) for v, eye in zip(Affine(*field.transform) * (i, j), (x, y))))))
+        away = np.linalg.norm(spots[:, :-1] - spots[:, -1:], axis=0).reshape(field.shape)
+        inside = np.isfinite(field.viewshed(x, y, 30, max_distance=most, needed=True))
+        assert (inside == (away < most))[np.abs(away - most) > 1].all(), name
+        for lengths in field.horizon(1, most, distance=True), field.visibility(8, most, result="longest"):
+            assert 0.98 * most < np.nanmax(lengths) < most + 1, name
+
+
 def test_a_scale_that_changes_fast(maps):
     z = np.zeros((40, 40), "float32")
     path = write("tall.tif", z, "EPSG:3857", Affine(5000, 0, 1e6, 0, -5000, 6e6))
