@@ -91,17 +91,20 @@ assert os.wait()[1] == 0
 """
 
 
-# A fork while a thread reads: its lock would stay locked in the child.
+# A fork while a thread reads: its lock would stay locked in the child. The thread goes on reading until the fork has begun, and from then
+# on runs only if the fork waits for it.
 READ = """
-import os, signal, threading, time, numpy as np, cellwalk as cw
+import os, signal, sys, threading, numpy as np, cellwalk as cw
 np.save("z.npy", np.zeros((20, 20), "float32"))
-inside = threading.Event()
+inside, forking = threading.Event(), threading.Event()
 def read():
     with cw._core.raster_door:
         inside.set()
-        time.sleep(0.3)
+        forking.wait()
 threading.Thread(target=read).start()
 inside.wait()
+sys.setswitchinterval(99)
+os.register_at_fork(before=forking.set)  # runs before cellwalk's, which was registered earlier
 if os.fork() == 0:
     signal.alarm(20)
     cw.open("z.npy")

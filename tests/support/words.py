@@ -3,6 +3,7 @@
 import os
 import subprocess
 import tempfile
+import time
 import types
 
 import numpy as np
@@ -68,6 +69,16 @@ class Program:
         self.process.stdin.close()
         assert self.process.wait() == 0
         self.answers.close()
+
+
+def wait_until(process, is_so):
+    """The pause leaves the CPU to the program and decides nothing: only its end ends the wait before its time."""
+    while True:
+        over = process.poll() is not None
+        if is_so():
+            return
+        assert not over, "the program ended too early"
+        time.sleep(0.001)
 
 
 class Files(Program):

@@ -11,11 +11,10 @@ import signal
 import struct
 import subprocess
 import tempfile
-import time
 
 import numpy as np
 import pytest
-from words import Files
+from words import Files, wait_until
 
 PROGRAM, BENCH, PRELOAD, SOURCE = (os.environ.get(f"CELLWALK_{name}", "") for name in ("PROGRAM", "BENCH", "PRELOAD", "SOURCE"))
 DIVISOR, TURN, SLOW = (int(os.environ.get(f"CELLWALK_TEST_{name}", least)) for name, least in (("DIVIDE", 1), ("TURN", 0), ("SLOW", 1)))
@@ -143,16 +142,6 @@ def shell(line):
 
 
 # ---- runs that do not come to their end -----------------------------------------------------------------------------------
-
-
-def wait_until(process, is_so):
-    """The pause leaves the CPU to the program and decides nothing: only its end ends the wait before its time."""
-    while True:
-        over = process.poll() is not None
-        if is_so():
-            return
-        assert not over, "the program ended too early"
-        time.sleep(0.001)
 
 
 def open_files(process):
