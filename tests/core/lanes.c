@@ -164,7 +164,7 @@ typedef struct row {
     comparison *compare;
     size_t fields, least_fields, rays, least_rays; /* rays: a field; least: in slow builds */
     bool one_call;                                 /* a field, with at most that many rays */
-    bool slow;                                     /* not on an emulated CPU (old_cpu.cmake) */
+    bool slow;                                     /* not on an emulated CPU (test_old_cpu) */
     bool some_miss;
     double hits; /* at least that share of the rays */
     workload_class class;

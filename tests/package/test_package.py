@@ -215,6 +215,34 @@ def test_symbols():
     assert avx or not simd or os.environ["X86_64"] in ("", "0", "FALSE", "OFF")
 
 
+SSE4 = (r"[ \t](roundp[sd]|rounds[sd]|blendvp[sd]|pblendvb|ptest|pinsr[bdq]|pextr[bdq]|pmulld|insertps|extractps|pm(in|ax)s[bd]|pm(in|ax)u[dw]|"
+        r"pcmpgtq|pcmpestri|pcmpistri)[ \t]")
+AVX, AVX512 = r"[ \t]v[a-z0-9]+[ \t].*%[xyz]mm", "%(zmm|k[1-7])"
+OLD_CPUS = {"core2duo": ([], [SSE4, AVX]), "Nehalem": ([SSE4], [AVX]), "Haswell": ([AVX], [AVX512])}  # what kernels use of it; what it lacks
+
+
+def test_old_cpu(tmp_path):
+    """No instruction that is translated for an emulated CPU is one that the CPU lacks. (The emulator itself would run it.)"""
+    qemu, cpu, lanes, simd = given("QEMU", "CPU", "TEST", "SIMD")
+    log = tmp_path / "log"
+    run(qemu, "-cpu", cpu, "-d", "in_asm", "-D", log, lanes, "known", "adversarial", "few*", "stress*", CELLWALK_TEST_DIVIDE="1000")
+    if "%xmm" not in log.read_text():
+        pytest.skip("this emulator cannot show instructions")
+    # The emulator's disassembler reads in chunks: an instruction cut in two is shown as bytes, and lines after them start in the middle of one.
+    # Up to the end of the block they need not be instructions of the program.
+    code = re.sub(r"[.]byte.*(\n0x.*)*", "", log.read_text())
+    used, lacking = OLD_CPUS[cpu]
+    assert not any(re.search(kind, code) for kind in lacking), cpu
+    assert simd != "ON" or all(re.search(kind, code) for kind in used), cpu
+
+
+def test_emulation():
+    """A program with emulated kernels has no instruction of AVX-512, where the ordinary one has many, and more of AVX2 than that."""
+    programs = [run(os.environ["OBJDUMP"], "-d", "--no-show-raw-insn", program) for program in given("EMULATED", "ORDINARY")]
+    (wide, ordinary_wide), (narrow, ordinary_narrow) = ([code.count(name) for code in programs] for name in ("%zmm", "%ymm"))
+    assert wide == 0 and ordinary_wide > 1000 and narrow > ordinary_narrow
+
+
 def test_install(tmp_path):
     """Installs the build into a fresh tree, moves the tree, or takes that of ./round_trip, and builds and runs programs against it: once through the CMake package and
     once through pkg-config, linked as it comes and statically."""

@@ -28,9 +28,10 @@ endfunction()
 #   ONCE                   neither compiler nor sanitizers can change its outcome: it gets the label once, and presets other than ci
 #                          leave it out
 #   SKIPS 77 or pattern    the status with which it ends, or what it prints, where it finds that it cannot run
+#   LATE program           which all does not build: where it is missing, the test is skipped
 #   RESULT variable        true if it is not left out
 function(cellwalk_register name)
-    cmake_parse_arguments(PARSE_ARGV 1 test "ONCE" "IN;SECONDS;SKIPS;RESULT" "COMMAND;NEEDS;LABELS;ENVIRONMENT")
+    cmake_parse_arguments(PARSE_ARGV 1 test "ONCE" "IN;SECONDS;SKIPS;LATE;RESULT" "COMMAND;NEEDS;LABELS;ENVIRONMENT")
     if(test_UNPARSED_ARGUMENTS)
         message(FATAL_ERROR "${name}: ${test_UNPARSED_ARGUMENTS} is none of a row's words")
     endif()
@@ -59,12 +60,16 @@ function(cellwalk_register name)
     if(test_ONCE)
         list(APPEND test_LABELS once)
     endif()
+    if(test_LATE)
+        list(PREPEND test_COMMAND sh -c "[ -x \"$0\" ] && exec \"$@\" || echo \"not built: $0\" && exit 77" ${test_LATE})
+    endif()
     add_test(NAME ${name} COMMAND ${test_COMMAND} WORKING_DIRECTORY ${test_IN})
     # What takes so long hangs; it is not a slow or busy machine.
     set_tests_properties(${name} PROPERTIES TIMEOUT 900 LABELS "${test_LABELS}" ENVIRONMENT "${test_ENVIRONMENT}" COST "${test_SECONDS}")
-    if(test_SKIPS STREQUAL 77)
+    if(test_SKIPS STREQUAL 77 OR test_LATE)
         set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
-    elseif(test_SKIPS)
+    endif()
+    if(test_SKIPS AND NOT test_SKIPS STREQUAL 77)
         set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION ${test_SKIPS})
     endif()
 endfunction()
@@ -117,8 +122,9 @@ function(cellwalk_test folder name)
         if(row_TWIN)
             set(kind emulated)
         endif()
-        cellwalk_register(${name}_avx512_emulated COMMAND test_${name}_emulated NEEDS cmocka ${row_NEEDS} emulation LABELS ${kind} SECONDS ${row_SECONDS}
-            ENVIRONMENT CELLWALK_TEST_DIVIDE=${row_KERNELS} RESULT possible)
+        set(twin $<TARGET_FILE:test_${name}_emulated>)
+        cellwalk_register(${name}_avx512_emulated COMMAND ${twin} LATE ${twin} NEEDS cmocka ${row_NEEDS} emulation LABELS ${kind}
+            SECONDS ${row_SECONDS} ENVIRONMENT CELLWALK_TEST_DIVIDE=${row_KERNELS} RESULT possible)
         if(possible)
             cellwalk_emulated_twin(test_${name})
             add_dependencies(${kind} test_${name}_emulated)
@@ -149,7 +155,8 @@ function(cellwalk_pytest folder name)
         cellwalk_run_pytest(${test}_comma ${words} ${with_comma} NEEDS native comma LABELS ${folder})
     endif()
     if(row_PROGRAM)
-        cellwalk_run_pytest(${test}_avx512_emulated ${words} CELLWALK_TWIN=_emulated CELLWALK_PROGRAM=$<TARGET_FILE:${row_PROGRAM}_emulated>
+        set(twin $<TARGET_FILE:${row_PROGRAM}_emulated>)
+        cellwalk_run_pytest(${test}_avx512_emulated ${words} CELLWALK_TWIN=_emulated CELLWALK_PROGRAM=${twin} LATE ${twin}
             NEEDS emulation LABELS long RESULT possible)
         if(possible)
             cellwalk_emulated_twin(${row_PROGRAM})
