@@ -222,9 +222,9 @@ static bool read_all(const source *s, const io_raster_options *o, io_raster *ras
                  bytes = block * nx * sizeof(float), at_once = block * (bytes < room ? room / bytes : 1);
     limit_cache(s, block);
     for (size_t j = 0; j < ny; j += at_once) {
-        gdal_streams(true);
+        gdal_leave(NULL); /* a callable of Python's may use GDAL too */
         const bool on = io_raster_progress(o, s->path, (double)j / (double)ny, error);
-        gdal_streams(false);
+        gdal_enter();
         if (!on || !read_rows(s, j, ny - j < at_once ? ny - j : at_once, raster->memory + j * nx, error)) return false;
     }
     return true;
