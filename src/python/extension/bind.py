@@ -54,5 +54,4 @@ text = re.sub(r"const (\w+ \(\*)", r"\1", "\n".join(own(text)))  # cffi writes p
 ffi = cffi.FFI()
 ffi.cdef("typedef _Bool atomic_bool;\n" + "\n".join(bound(part, called) for part in declarations(text)))
 ffi.set_source("cellwalk._cellwalk", "#include <alloca.h>\n#include \"extension.h\"")
-ffi.emit_c_code(target)
-pathlib.Path(target).touch()  # also if it was the same already
+ffi.emit_c_code(target)  # which does not touch a file that is the same already
