@@ -90,19 +90,28 @@ static bool tell_no_ground(const terrain *part, const io_place *p, const double 
 /* Heights as floats are known to half a millimetre at 8000 m. */
 static const double least_depth = 1e-3;
 
+place_state ground_try_place(const terrain *t, const io_place *p, double at[3], double *level_there) {
+    const bool near = cw_terrain_find_place(t, p->x, p->y, at);
+    const double level = *level_there = near ? cw_terrain_height(t, at[0], at[1]) : NAN;
+    if (!near) return PLACE_FAR;
+    if (!p->absolute && isnan(level)) return PLACE_NO_GROUND;
+    const double height = p->absolute ? p->z : level + p->z;
+    if (height < level - least_depth) return PLACE_UNDER;
+    at[2] = height / terrain_metres_of_height(t);
+    return isfinite(at[2]) ? PLACE_GOOD : PLACE_HIGH;
+}
+
 bool ground_find_place(const terrain *t, const io_place *p, double at[3], double *level_there, io_error *error) {
     char text[IO_PLACE_ROOM];
-    const bool near = cw_terrain_find_place(t, p->x, p->y, at);
-    const double level = near ? cw_terrain_height(t, at[0], at[1]) : NAN;
-    if (level_there) *level_there = level;
-    if (!p->absolute && isnan(level)) return tell_no_ground(t, p, at, error);
-    if (!near) return io_fail(error, "%s: is too far away from the terrain", io_place_text(p, text));
-    const double height = p->absolute ? p->z : level + p->z;
-    if (height < level - least_depth)
-        return io_fail(error, "%s: is under the ground, which is %.3f m high there: %s", io_place_text(p, text), level,
+    double unused, *level = level_there ? level_there : &unused;
+    const place_state state = ground_try_place(t, p, at, level);
+    if (state == PLACE_GOOD) return true;
+    if (state == PLACE_NO_GROUND || (state == PLACE_FAR && !p->absolute)) return tell_no_ground(t, p, at, error);
+    const char *words = io_place_text(p, text);
+    if (state == PLACE_UNDER)
+        return io_fail(error, "%s: is under the ground, which is %.3f m high there: %s", words, *level,
                        p->absolute ? "X,Y,H counts H from the ground" : "H counts from the ground");
-    at[2] = height / terrain_metres_of_height(t);
-    return isfinite(at[2]) || io_fail(error, "%s: is too high", io_place_text(p, text));
+    return io_fail(error, "%s: is too %s", words, state == PLACE_FAR ? "far away from the terrain" : "high");
 }
 
 /* Metres between two places, by the scale halfway. */

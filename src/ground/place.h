@@ -20,9 +20,15 @@ const char *ground_number(double number, char text[GROUND_NUMBER]);
 /* X,Y,H or X,Y,+H, X,Y,=Z, or X,Y, which is height above ground. */
 bool ground_parse_place(const char *text, double height, io_place *p, io_error *error);
 
+/* Whether one can look from a place. */
+typedef enum place_state { PLACE_GOOD, PLACE_NO_GROUND, PLACE_FAR, PLACE_UNDER, PLACE_HIGH } place_state;
+
 /* Field coordinates, rounded to 2^-28 and to lines of samples that are as near as that, and the height in the
- * samples' numbers. An error where a height above ground has no ground, or the place is under it. *level_there is
- * the ground's height in metres, NaN where there is none, and may be NULL. */
+ * samples' numbers. A height above ground has no ground outside the terrain, however far. *level_there is the ground's height in
+ * metres, NaN where there is none. */
+place_state ground_try_place(const terrain *t, const io_place *p, double at[3], double *level_there);
+
+/* The same, with an error unless the place is good. level_there may be NULL. */
 bool ground_find_place(const terrain *t, const io_place *p, double at[3], double *level_there, io_error *error);
 
 enum { OBSERVERS_MOST = 1 << 24 };

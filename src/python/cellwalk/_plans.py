@@ -130,14 +130,13 @@ def spots_of(x, y, height, elevation, default: float = 2.0, weights=None, of: st
 def find_eye(core: Core, spot, name: Optional[str]) -> Any:
     """Field coordinates of a spot that one can look from. name: the argument's, for the error; None: return None."""
     x, y, z, absolute, _ = spot
-    at, level = ffi.new("double[3]"), ffi.new("double *")
-    place = ffi.new("io_place *", {"x": x, "y": core.north(y), "z": z, "absolute": bool(absolute)})
-    if lib.ground_find_place(core.terrain, place, at, level, ffi.NULL):
+    at, place = ffi.new("double[3]"), ffi.new("io_place *", {"x": x, "y": core.north(y), "z": z, "absolute": bool(absolute)})
+    state = lib.ground_try_place(core.terrain, place, at, ffi.new("double *"))
+    if state == lib.PLACE_GOOD:
         return at
     if name is not None:
-        why = ("is too far away from the terrain" if not lib.cw_terrain_find_place(core.terrain, place.x, place.y, at) else
-               "has no ground under it; give the height itself, absolute" if level[0] != level[0] else
-               "is under the ground" if z < (level[0] if absolute else 0) else "is too high")
+        why = {lib.PLACE_FAR: "is too far away from the terrain", lib.PLACE_NO_GROUND: "has no ground under it; give the height itself, absolute",
+               lib.PLACE_UNDER: "is under the ground", lib.PLACE_HIGH: "is too high"}[state]
         raise ValueError(f"{name}: ({x:.10g}, {y:.10g}, {z:.10g}) {why}")
     return None
 
