@@ -69,6 +69,7 @@ def test_update_is_a_new_field(z, data):
     changed[row:row + block.shape[0], column:column + block.shape[1]] = block
     same(field.z, changed)
     same_hits(ask(field), ask(cw.Field(changed)))
+    assert repr(field) == repr(cw.Field(changed))
 
 
 def test_an_update_copies_samples_of_others(monkeypatch):
@@ -108,7 +109,7 @@ def test_maps():
 @pytest.mark.parametrize("call, kind, words", [
     (lambda f: cw.Field(np.zeros((3, 3, 3))), ValueError, r"z: shape \(3, 3, 3\), expected \(rows, columns\)"),
     (lambda f: cw.Field(np.zeros((1, 3))), ValueError, r"z: shape \(1, 3\), expected at least 2 rows"),
-    (lambda f: cw.Field(np.zeros((3, 3), complex)), TypeError, "z: dtype complex128"),
+    (lambda f: cw.Field(np.broadcast_to(np.float32(0), (2, 2**23 + 1))), ValueError, r"z: shape \(2, 8388609\), expected .* at most 8388608"),
     (lambda f: cw.Field(np.array([["a", "b"], ["c", "d"]])), TypeError, "z: dtype <U1"),
     (lambda f: cw.Field(np.array([[0, 1e300], [0, 0]])), ValueError, r"z: the sample at \(0, 1\) is 1e\+300, beyond the range"),
     (lambda f: cw.Field(np.full((3, 3), 1e35, np.float32)), ValueError, "z: sample"),
@@ -116,13 +117,11 @@ def test_maps():
     (lambda f: cw.Field(np.zeros((3, 3)), transform=(0, 0, 3, 0, 0, 3)), ValueError, r"transform: \(0.0, 0.0, 3.0, 0.0, 0.0, 3.0\), expected finite"),
     (lambda f: cw.Field(np.zeros((3, 3)), transform=(1, 0, np.nan, 0, 1, 3)), ValueError, "transform: "),
     (lambda f: cw.Field(np.zeros((3, 3)), transform=(600000, 10, 0, 5200000, 0, -10)), ValueError, "Affine.from_gdal"),
-    (lambda f: cw.Field(np.zeros((3, 3)), transform=(10.5, 1 / 1200, 0, 47.25, 0, -1 / 1200)), ValueError, "Affine.from_gdal"),
     (lambda f: cw.Field(np.zeros((3, 3)), transform="abc"), TypeError, "transform: 'abc', expected an Affine or numbers"),
     (lambda f: cw.Field(np.zeros((3, 3)), nodata="none"), TypeError, "nodata: 'none', expected a number"),
-    (lambda f: cw.Field(np.zeros((3, 3)), zscale="m"), TypeError, "zscale: 'm', expected a number"),
     (lambda f: cw.Field(np.zeros((3, 3)), band=2), ValueError, "band: 2, but z is an array"),
     (lambda f: cw.Field(np.zeros((3, 3)), threads=-1), ValueError, "threads: -1, expected 0 to 4096"),
-    (lambda f: cw.Field(np.zeros((3, 3)), threads=1.5), TypeError, "threads: 1.5, expected an integer"),
+    (lambda f: f.horizon(np.arange(2)), TypeError, r"directions: array\(\[0, 1\]\), expected an integer"),
     (lambda f: cw.Field(np.zeros((3, 3)), zscale=0), ValueError, "zscale: 0"),
     (lambda f: cw.Field(np.zeros((3, 3)), progress=3), TypeError, "progress: 3"),
     (lambda f: cw.Field("dem.tif"), TypeError, "z: 'dem.tif' is a path; use cellwalk.open"),
@@ -158,7 +157,9 @@ def test_maps():
     (lambda f: f.insolation(suns=[(1, 91)]), ValueError, "^suns: .*altitudes from -90"),
     (lambda f: f.insolation(suns=np.empty((0, 3))), ValueError, "^suns: .*shape"),
     (lambda f: f.insolation("2024", suns=[(1, 2)]), ValueError, "^suns: goes without date"),
-    (lambda f: cw.sun("yesterday", 0, 0), ValueError, "time: 'yesterday'"),
+    (lambda f: cw.sun("yesterday\0", 0, 0), ValueError, r"time: 'yesterday\\x00'"),
+    (lambda f: cw.sun(np.datetime64(2**62, "s"), 0, 0), ValueError, "time: .* expected one of the years 0 to 9999"),
+    (lambda f: cw.open(b"z\0.npy"), ValueError, r"path: 'z\\x00.npy' has a null"),
     (lambda f: cw.open(3), TypeError, "path: 3, expected a path"),
 ])
 def test_wrong_questions(call, kind, words):
@@ -186,7 +187,7 @@ def test_each_argument_is_checked(name):
 def test_open(tmp_path):
     z = rough()
     np.save(tmp_path / "z.npy", z)
-    field = cw.open(tmp_path / "z.npy", window=(5, 7, 40, 30))
+    field = cw.open(str(tmp_path / "z.npy").encode(), window=(5, 7, 40, 30))
     same(field.z, z[7:37, 5:45])
     assert field.map[:2, 3].tolist() == [5, 7]
     same_hits(ask(pickle.loads(pickle.dumps(field))), ask(field))

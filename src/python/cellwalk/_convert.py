@@ -5,11 +5,12 @@ argument, shape and value."""
 from __future__ import annotations
 
 import math
+import operator
 from typing import Any, Optional
 
 import numpy as np
 
-from ._core import warn
+from ._core import lib, warn
 from ._raster import WGS84, Crs, Source, read_crs
 
 # ---- maps -----------------------------------------------------------------------------------------------------------------
@@ -64,33 +65,35 @@ def line_of_coordinates(values, name: str) -> tuple[float, float]:
 
 # ---- samples --------------------------------------------------------------------------------------------------------------
 
+def check_sides(shape: tuple[int, int], name: str, least: int = 2) -> None:
+    if min(shape) < least or max(shape) > lib.CW_SIDE_MAX:
+        raise ValueError(f"{name}: shape {shape}, expected at least 2 rows and 2 columns, and at most {lib.CW_SIDE_MAX}")
+
+
 def samples_of(values, nodata=None, name: str = "z", least: int = 2) -> np.ndarray:
     """Contiguous native float32 with NaN at holes, at least so many rows and columns. Copied only if it is not that already."""
-    holes = None
+    holes: Any = False
     if isinstance(values, np.ma.MaskedArray):
         holes, values = np.ma.getmaskarray(values), values.data
-    array = np.asarray(values)
+    array = array_of(values, name)
     if array.ndim != 2:
         raise ValueError(f"{name}: shape {array.shape}, expected (rows, columns)")
-    if min(array.shape) < least:
-        raise ValueError(f"{name}: shape {array.shape}, expected at least 2 rows and 2 columns")
+    check_sides(array.shape, name, least)
     if array.dtype.kind not in "fiub" or array.dtype.itemsize > 8 and array.dtype.kind != "f":
         raise TypeError(f"{name}: dtype {array.dtype}, expected real numbers")
     if nodata is not None and not np.isnan(nodata):
         # Compared as the samples are stored: a float32 file's 3.4e38 is not the double that a header spells.
         with np.errstate(over="ignore"):
             equal = array == (array.dtype.type(nodata) if array.dtype.kind == "f" else nodata)
-        holes = equal if holes is None else holes | equal
+        holes = equal | holes
     with np.errstate(over="ignore", invalid="ignore"):
         samples = np.require(array, np.float32, ["C", "A"])
     if array.dtype.kind == "f" and array.dtype.itemsize > 4:
-        over = np.isinf(samples) & np.isfinite(array)
-        if holes is not None:
-            over &= ~holes
+        over = np.isinf(samples) & np.isfinite(array) & np.logical_not(holes)
         if over.any():
             place = tuple(int(k) for k in np.argwhere(over)[0])
             raise ValueError(f"{name}: the sample at {place} is {array[place]}, beyond the range of float32")
-    if holes is not None and holes.any():
+    if np.any(holes):
         if np.shares_memory(samples, array):
             samples = samples.copy()
         samples[holes] = np.nan
@@ -266,21 +269,27 @@ def common_shape(named: dict[str, tuple], shapes=None) -> tuple[int, ...]:
 
 
 def count(value, name: str, low: int, high: int) -> int:
-    number = int(value) if not isinstance(value, bool) and hasattr(value, "__index__") else None
-    if number is None:
-        raise TypeError(f"{name}: {value!r}, expected an integer")
+    try:
+        number = operator.index(None if isinstance(value, bool) else value)
+    except TypeError:
+        raise TypeError(f"{name}: {value!r}, expected an integer") from None
     if not low <= number <= high:
         raise ValueError(f"{name}: {number}, expected {low} to {high}")
     return number
 
 
+def array_of(value, name: str) -> np.ndarray:
+    try:
+        return np.asarray(value)
+    except (TypeError, ValueError) as error:  # rows of different lengths
+        raise ValueError(f"{name}: {error}") from None
+
+
 def numbers(value, name: str) -> np.ndarray:
     """An array of real numbers as float32 or float64, in any layout; copied only to convert. Masked ones become NaN."""
-    array = np.asarray(value)
+    array = array_of(value, name)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: dtype {array.dtype}, expected real numbers")
     if np.ma.is_masked(value):
         array = np.where(np.ma.getmaskarray(value), np.float32(np.nan), array)
-    if array.dtype == np.float32 or array.dtype == np.float64:
-        return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
-    return array.astype(np.float32 if array.dtype == np.float16 else np.float64)
+    return array.astype(np.float32 if array.dtype.kind == "f" and array.dtype.itemsize <= 4 else np.float64, copy=False)

@@ -27,10 +27,12 @@ version = ffi.string(lib.cw_version()).decode()
 
 
 def c_text(text: str | bytes) -> bytes:
-    encoded = text.encode() if isinstance(text, str) else text
-    if b"\0" in encoded:
-        raise ValueError("embedded null character")
-    return encoded
+    """Bytes are a path. Other names with a character that C cannot have are those of nothing, as they are with a question mark."""
+    if isinstance(text, str):
+        return text.encode(errors="replace").replace(b"\0", b"?")
+    if b"\0" in text:
+        raise ValueError(f"path: {os.fsdecode(text)!r} has a null character")
+    return text
 
 
 def owner(kind: str, drop) -> Any:
@@ -125,9 +127,9 @@ class Work:
         if self._held[1] is not None:
             self.run.pool = self._held[1][0]
         if kernel is not None:
-            self.run.expert.kernel = lib.cw_kernel_find(c_text(kernel))
+            self.run.expert.kernel = lib.cw_kernel_find(c_text(str(kernel)))
             if not lib.cw_kernel_exists(self.run.expert.kernel):
-                raise ValueError(f"kernel: '{kernel}' is none of cellwalk.kernels()")
+                raise ValueError(f"kernel: {kernel!r}, expected a name of cellwalk.kernels()")
         lib.work_begin(self.c)
 
     def check(self, status: int = 0) -> None:
@@ -155,21 +157,20 @@ class Work:
 
 
 class Core:
-    """The height field over a Source's samples, which stay where they are, or without work its map."""
+    """The height field over a Source's samples, which stay where they are, or without work its map. made: the field, if there is one."""
 
-    def __init__(self, source, work: Work | None = None) -> None:
-        if max(source.shape) > lib.CW_SIDE_MAX:
-            raise ValueError("samples: too many")
-        self.shape, self.affine, self._placed, self._crs = source.shape, np.array(source.map), source.placed, source.crs
+    def __init__(self, source, work: Work | None = None, made=None) -> None:
+        self.source, self.shape, self.affine = source, source.shape, np.array(source.map)
         self.users, self.process, self.bounds, self.scaled, self._scale = 0, os.getpid(), None, False, None
         self._samples = NULL if work is None else ffi.from_buffer("float[]", source.samples)
         self._map = ffi.new("double[3][4]", self.affine.tolist())
-        self._field = owner("cw_field **", lib.drop_field)
-        if work is not None:
+        self._field = owner("cw_field **", lib.drop_field) if made is None else made
+        if work is not None and made is None:
             desc = {"samples": self._samples, "nx": self.shape[1], "ny": self.shape[0], "map": self._map, "storage": lib.CW_BORROW}
             work.check(lib.cw_field_create(ffi.new("cw_field_desc *", desc), work.run, self._field))
             work.finish()
         self.field = self._field[0]
+        self.about = self.describe() if work is not None else None  # at the end of the last change
         self.identity = bool((self.affine == np.eye(3, 4)).all())
         self._terrain = self._whole = self._place(self.shape, self._map)
         if source.whole is not None and self._terrain:
@@ -178,11 +179,11 @@ class Core:
 
     def _place(self, shape: tuple[int, int], affine) -> Any:
         """NULL if the map cannot be inverted."""
-        if not self._placed:
+        if not self.source.placed:
             # A picture's, with the first row in the north. A coarser field's samples stand more than 1 apart.
             apart = affine[0][0]
             affine = ffi.new("double[3][4]", [[apart, 0, 0, 0], [0, -apart, 0, apart * (shape[0] - 1)], [0, 0, affine[2][2], 0]])
-        terrain, crs = ffi.new("terrain *"), self._crs
+        terrain, crs = ffi.new("terrain *"), self.source.crs
         desc = {"field": self.field, "nx": shape[1], "ny": shape[0], "z": self._samples, "map": affine, "geographic": crs.geographic,
                 "unit": crs.unit, "semi_major": crs.semi_major, "inverse_flattening": crs.inverse_flattening}
         return terrain if lib.cw_terrain_init(terrain, ffi.new("terrain_desc *", desc)) else NULL
@@ -195,7 +196,7 @@ class Core:
 
     def set_scale(self, scale: bytes) -> None:
         """How long the unit of a projected map is on the ground. Before the first product."""
-        if scale and not (self.scaled or self._crs.geographic) and self._terrain:
+        if scale and not (self.scaled or self.source.crs.geographic) and self._terrain:
             self._scale = ffi.new("map_scale *")
             ffi.buffer(self._scale)[:] = scale
             self._terrain.scale = self._whole.scale = self._scale
@@ -203,7 +204,7 @@ class Core:
 
     def north(self, y):
         """y of the caller's as that of the terrain, and back."""
-        return y if self._placed else self._map[0][0] * (self._whole.ny - 1) - y
+        return y if self.source.placed else self._map[0][0] * (self._whole.ny - 1) - y
 
     def describe(self) -> Any:
         """A cw_field_info."""
@@ -223,7 +224,7 @@ class Core:
         return terrain
 
     def use(self, work: Work, make, *arguments, change: bool = False) -> Any:
-        """make(self, work, *arguments) while nobody changes the field, or while nobody else uses it."""
+        """make(self, work, *arguments) while nobody changes the field, or while nobody else uses it. make checks the statuses it gets."""
         if self.process != os.getpid():  # a fork forgets who used it
             self.users, self.process = 0, os.getpid()
         if change and self.users:
@@ -234,7 +235,7 @@ class Core:
         self.users += -1 if change else 1
         try:
             answer = make(self, work, *arguments)
-            work.check(answer if isinstance(answer, int) else 0)
+            work.check()
         finally:
             self.users -= -1 if change else 1
         work.finish()

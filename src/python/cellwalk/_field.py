@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 import numpy as np
 
-from ._convert import coarser_like, common_shape, count, finite, nodata_of, numbers, read_source, samples_of, warn_of_heights
+from ._convert import check_sides, coarser_like, common_shape, count, finite, nodata_of, numbers, read_source, samples_of, warn_of_heights
 from ._core import Core, Work, ffi, lib, owner, raster_door
 from ._light import Light
 from ._raster import Source, read_crs, read_raster, scale_of
@@ -47,20 +47,26 @@ def _heights(core, work, places):
     work.part(0, 2)
     work.check(lib.cw_surface_at_user(core.field, work.run, points, n, hits))
     work.part(1, 2)
-    return lib.cw_hit_points(core.field, work.run, hits, n, points)
+    work.check(lib.cw_hit_points(core.field, work.run, hits, n, points))
 
 
 def _coarser(core, work, factor, filter):
     difference, made = ffi.new("cw_difference *"), owner("cw_field **", lib.drop_field)
     work.check(lib.cw_field_coarser(core.field, work.run, factor, filter, made, difference, ffi.sizeof(difference[0])))
     rows, columns = (-(-(n - 1) // factor) + 1 for n in core.shape)
-    samples = np.stack([np.frombuffer(ffi.buffer(lib.cw_field_row(made[0], j), 4 * columns), np.float32) for j in range(rows)])
-    return samples, Difference(difference.above, difference.below, difference.rms, difference.lost, difference.made)
+    first = ffi.gc(lib.cw_field_row(made[0], 0), [made].count)  # the samples keep the field; no Python runs in the end, which would drop Ctrl-C
+    samples = np.frombuffer(ffi.buffer(first, 4 * rows * columns), np.float32).reshape(rows, columns)
+    samples.flags.writeable = False  # an update copies them
+    return made, samples, Difference(difference.above, difference.below, difference.rms, difference.lost, difference.made)
 
 
 def _update(core, work, field, row, column, block):
-    """If the field refuses it, the old samples are restored."""
-    here, status = field._samples[row:row + block.shape[0], column:column + block.shape[1]], None
+    """If the field refuses it, the old samples are restored. Other threads get a copied field when it is ready."""
+    if core is not field._core:
+        raise RuntimeError("update: another update is running on the field")
+    if not (field._own and core.source.samples.flags.writeable):
+        core = field._build(core.source.samples.copy())
+    here, status = core.source.samples[row:row + block.shape[0], column:column + block.shape[1]], None
     before, change = here.copy(), ffi.new("cw_update *", {"at": (column, row, *block.shape[::-1])})
     updated, field._updated, core.bounds = field._updated, True, None
     try:
@@ -71,7 +77,9 @@ def _update(core, work, field, row, column, block):
             here[:] = before
             lib.cw_field_update(core.field, work.run, change)
             field._updated = updated
-    return status
+    if status == lib.CW_OK:
+        core.about, field._core, field._own = core.describe(), core, True
+    work.check(status)
 
 
 class Field(Rays, Light, Sight):
@@ -97,7 +105,7 @@ class Field(Rays, Light, Sight):
     Raises ValueError or TypeError naming the argument, MemoryError, KeyboardInterrupt.
 
     Queries may run in several threads at once; Python's other threads go on meanwhile. Ctrl-C ends a query. Fields can be
-    copied and pickled. One made by `open` is pickled as its path: the file is opened again.
+    copied and pickled, while no thread updates them. One made by `open` is pickled as its path: the file is opened again.
 
         >>> import numpy as np, cellwalk as cw
         >>> f = cw.Field(np.zeros((3, 5), "float32"), transform=(10, 0, 500, 0, -10, 800))
@@ -108,10 +116,9 @@ class Field(Rays, Light, Sight):
     def __init__(self, z: Any, transform: Any = None, crs: Any = None, nodata: float | None = None, threads: int = 0, *,
                  zscale: float | None = None, band: int | None = None, copy: bool = False, progress=None) -> None:
         self._make(read_source(z, transform, crs, nodata_of(nodata), zscale, band), threads, copy, progress, z)
-        about = self._core.describe()
-        warn_of_heights(self._samples, about.low, about.high, self._source.nodata)
+        warn_of_heights(self._core.source.samples, self._core.about.low, self._core.about.high, self._source.nodata)
 
-    def _make(self, source: Source, threads, copy=False, progress=None, given=None) -> None:
+    def _make(self, source: Source, threads, copy=False, progress=None, given=None, made=None) -> None:
         self._threads = count(threads, "threads", 0, 4096)
         self._source = source._replace(samples=None)
         self._origin: Optional[tuple] = None  # how to open it again
@@ -120,21 +127,16 @@ class Field(Rays, Light, Sight):
         held = given.data if hasattr(given, "dims") else given  # chunks are not computed again, and may be views of another array
         shared = given is not None and (hasattr(held, "dask") or np.shares_memory(source.samples, np.asarray(held)))
         self._own = copy or not shared
-        self._build(source.samples.copy() if copy and shared else source.samples, progress)
+        self._core = self._build(source.samples.copy() if copy and shared else source.samples, progress, made)
 
-    def _build(self, samples: np.ndarray, progress=None) -> None:
-        def make(samples):
-            return Core(self._source._replace(samples=samples), Work("z", self._threads, progress))
-
+    def _build(self, samples: np.ndarray, progress=None, made=None) -> Core:
         try:
-            core = make(samples)
+            return Core(self._source._replace(samples=samples), Work("z", self._threads, progress), made)
         except ValueError:
             if not np.isinf(samples).any():
                 raise
-            samples = np.where(np.isinf(samples), np.float32(np.nan), samples)
-            core = make(samples)  # infinite holes become NaN in a copy
-            self._own = True
-        self._core, self._samples = core, samples
+        self._own = True  # infinite holes become NaN in a copy
+        return self._build(np.where(np.isinf(samples), np.float32(np.nan), samples), progress)
 
     @property
     def _ground(self) -> Core:
@@ -152,13 +154,12 @@ class Field(Rays, Light, Sight):
     @property
     def shape(self) -> tuple[int, int]:  # type: ignore[override]
         """Rows and columns of samples."""
-        rows, columns = self._samples.shape
-        return rows, columns
+        return self._core.shape
 
     @property
     def z(self) -> np.ndarray:
         """The samples as the field has them: float32, NaN at holes. Not to be written to: see update."""
-        view = self._samples.view()
+        view = self._core.source.samples.view()
         view.flags.writeable = False
         return view
 
@@ -193,7 +194,7 @@ class Field(Rays, Light, Sight):
         return self._difference
 
     def __repr__(self) -> str:
-        about, known, m = self._core.describe(), self._source.crs, self._source.map
+        about, known, m = self._core.about, self._source.crs, self._source.map
         heights = f"heights {about.low:g} to {about.high:g}" if about.low <= about.high else "no heights"
         cell = " x ".join(f"{float(np.hypot(m[0, k], m[1, k])):g}" for k in range(2))
         unit = ("" if not self._source.placed else " degrees" if known.geographic else
@@ -207,11 +208,12 @@ class Field(Rays, Light, Sight):
             raise TypeError("a Field is not pickled after update, which its file lacks; send field.z")
         if self._origin is not None:
             return _reopen, (*self._origin, self.shape)
-        return field_of, (self._source._replace(samples=self._samples), self._threads, None, self._difference)
+        return field_of, (self._source._replace(samples=self._core.source.samples), self._threads, None, self._difference)
 
     def __copy__(self, memo=None) -> Field:
         """A field of its own samples: an update of one does not change the other."""
-        return field_of(self._source._replace(samples=self._samples.copy()), self._threads, None, self._difference)
+        samples = self._run("copy", lambda core, work: core.source.samples.copy(), core=self._core)
+        return field_of(self._source._replace(samples=samples), self._threads, None, self._difference)
 
     __deepcopy__ = __copy__
 
@@ -252,12 +254,12 @@ class Field(Rays, Light, Sight):
         factor = count(factor, "factor", 2, 2**31 - 1)
         if filter not in _filters:
             raise ValueError(f"filter: {filter!r}, expected one of {', '.join(map(repr, _filters))}")
-        samples, difference = self._run("coarser", _coarser, factor, _filters.index(filter), progress=progress, core=self._core, kernel="cell")
+        made, samples, difference = self._run("coarser", _coarser, factor, _filters.index(filter), progress=progress, core=self._core)
         affine = self._source.map.copy()
         affine[:, :2] *= factor
         like = coarser_like(self._source.like, affine, samples, factor)
         source = self._source._replace(samples=samples, shape=samples.shape, map=affine, like=like, scale=None, whole=None)
-        return field_of(source, self._threads, None, difference)
+        return field_of(source, self._threads, None, difference, made)
 
     def update(self, row: int, column: int, block: ArrayLike, nodata: float | None = None) -> None:
         """Replaces the samples from (row, column) on by block, of shape (rows, columns). Afterwards the field is what one made
@@ -273,25 +275,18 @@ class Field(Rays, Light, Sight):
             >>> float(f.at(4, 4))
             5.0
         """
-        nodata = nodata_of(nodata)
-        array = np.asarray(block) if not isinstance(block, np.ma.MaskedArray) else block
-        if array.ndim != 2:
-            raise ValueError(f"block: shape {array.shape}, expected (rows, columns)")
-        rows, columns = array.shape
+        block = samples_of(block, nodata_of(nodata), "block", 0)
+        rows, columns = block.shape
         row, column = count(row, "row", 0, self.shape[0]), count(column, "column", 0, self.shape[1])
         if row + rows > self.shape[0] or column + columns > self.shape[1]:
-            raise ValueError(f"block: shape {array.shape} at ({row}, {column}) goes beyond the field's {self.shape}")
+            raise ValueError(f"block: shape {block.shape} at ({row}, {column}) goes beyond the field's {self.shape}")
         if rows == 0 or columns == 0:
             return
-        block = samples_of(array, nodata, "block", 1)
         block = np.where(np.isinf(block), np.float32(np.nan), block)
-        if not (self._own and self._samples.flags.writeable):
-            self._build(self._samples.copy())
-            self._own = True
         self._run("block", _update, self, row, column, block, core=self._core, change=True)
 
 
-def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None = None, nodata: float | None = None,
+def open(path: str | bytes | os.PathLike, window: Any = None, *, band: int | None = None, nodata: float | None = None,
          cellsize: float | None = None, zscale: float | None = None, crs: Any = None, threads: int = 0, progress=None) -> Field:
     """A field from a raster file: GeoTIFF and all else that GDAL reads, or .npy.
 
@@ -310,9 +305,9 @@ def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None =
         >>> cw.open(path, window=(1, 0, 3, 4)).shape
         (4, 3)
     """
-    if not isinstance(path, (str, os.PathLike)):
+    if not isinstance(path, (str, bytes, os.PathLike)):
         raise TypeError(f"path: {path!r}, expected a path")
-    path = os.fspath(path)
+    path = os.fsdecode(path)
     column, row, columns, rows = _window(window)
     given, sentences = read_raster(path, 0 if band is None else count(band, "band", 1, 65535), nodata_of(nodata),
                                    0.0 if cellsize is None else finite(cellsize, "cellsize", 0),
@@ -321,16 +316,15 @@ def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None =
         text = re.sub(r"--(band|nodata|zscale)( (?=[-\d]))?", lambda found: found[1] + ("=" if found[2] else ""), sentence)
         warnings.warn(text, stacklevel=2)
     source = given if crs is None else given._replace(crs=read_crs(crs))
-    if min(given.shape) < 2:
-        raise ValueError(f"{path}: {given.shape[0]} rows of {given.shape[1]} samples, expected at least 2 of each")
+    check_sides(given.shape, path)
     field = field_of(source, threads, progress)
     field._origin = path, window if window is None else (column, row, columns, rows), band, nodata, cellsize, zscale, crs, threads
     return field
 
 
-def field_of(source: Source, threads: int, progress=None, difference: Difference | None = None) -> Field:
+def field_of(source: Source, threads: int, progress=None, difference: Difference | None = None, made=None) -> Field:
     field = Field.__new__(Field)
-    field._make(source, threads, False, progress)
+    field._make(source, threads, False, progress, None, made)
     field._difference = difference
     return field
 

@@ -66,7 +66,9 @@ def seconds_of(time: Time) -> float:
             raise ValueError(f"time: {time!r}, expected a time with its zone, as 2024-06-21T12:00:00Z or +02:00")
         return seconds[0]
     if isinstance(time, np.datetime64):
-        return finite(float((time - np.datetime64(0, "s")) / np.timedelta64(1, "s")), "time")
+        if not 0 <= int(time.astype("M8[Y]").astype(int)) + 1970 <= 9999:  # as in text; NaT is far off
+            raise ValueError(f"time: {time!r}, expected one of the years 0 to 9999")
+        return float((time - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
     if isinstance(time, datetime.datetime):
         if time.tzinfo is None:
             raise ValueError(f"time: {time!r} has no time zone; use datetime.timezone.utc")
@@ -139,7 +141,7 @@ _FILL = {"shadow": (lib.cw_shadow, "cw_light *", "uint8_t[]"), "sunlight": (lib.
 
 def _fill(core, work, area, out, how, which):
     function, struct, kind = _FILL[which]
-    return function(core.terrain, work.run, ffi.new(struct, how), area, ffi.from_buffer(kind, out))
+    work.check(function(core.terrain, work.run, ffi.new(struct, how), area, ffi.from_buffer(kind, out)))
 
 
 def _horizon(core, work, area, out, sky, metres):
@@ -163,7 +165,7 @@ def _insolation(core, work, area, out, how, suns, weights, energy, sky):
     if len(planes) > 1:
         work.part(1, 2)
         diffuse = {"count": sky, "curvature": how["curvature"], "flags": lib.CW_HORIZON_TILTED}
-        work.check(_fill(core, work, area, planes[1], diffuse, "sky_view"))
+        _fill(core, work, area, planes[1], diffuse, "sky_view")
         planes[1] *= np.float32(lib.cw_insolation_diffuse(found[0]))
 
 

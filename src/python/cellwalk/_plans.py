@@ -36,7 +36,6 @@ class Products:
     _core: Core
     _ground: Core
     _source: Source
-    _samples: np.ndarray
     _threads: int
     shape: tuple[int, int]
 

@@ -155,24 +155,23 @@ class GeoTiff:
         product = {"bands": bands, "ny": rows, "nx": columns, "cell": _CELLS[dtype], "map": place, "georef": georef, "has_nodata": True,
                    "nodata": nodata, "uncompressed": not compress, "creation": creation, "creation_count": len(tiles)}
         self._kept = georef, place, tiles, creation  # the writer has pointers to them
-        self._do(lib.io_raster_create, name, ffi.new("io_raster_product *", product))
+        wrong = do_io(lib.io_raster_create, self._writer, name, ffi.new("io_raster_product *", product))
+        if wrong:
+            raise OSError(wrong)
 
     def _is_open(self) -> bool:
         """GDAL's unwritten tiles and the file belong to the process that opened it: a child that was forked touches neither."""
         return self._writer.sink != NULL and self._process == os.getpid()
 
     def _do(self, function, *arguments) -> None:
+        if not self._is_open():
+            raise ValueError("the GeoTIFF is closed, or was opened by another process")
         wrong = do_io(function, self._writer, *arguments)
         if wrong:
             raise OSError(wrong)
 
-    def _check(self) -> None:
-        if not self._is_open():
-            raise ValueError("the GeoTIFF is closed, or was opened by another process")
-
     def write(self, band: int, row: int, column: int, rows: int, columns: int, block: np.ndarray) -> None:
         """Each cell once, in any order."""
-        self._check()
         p = self._writer.product
         if not (0 <= band < p.bands and 0 <= row < row + rows <= p.ny and 0 <= column < column + columns <= p.nx
                 and block.nbytes == rows * columns * np.dtype(self._dtype).itemsize):
@@ -182,7 +181,6 @@ class GeoTiff:
 
     def commit(self) -> None:
         """The file gets its name, if every cell was written."""
-        self._check()
         self._do(lib.io_raster_commit)
 
     def discard(self) -> None:

@@ -116,7 +116,7 @@ class Hits:
         out = np.empty(self.shape + (3,), np.float64)
         if records.size:
             hits, to = ffi.from_buffer("cw_hit[]", records.view(np.uint8)), ffi.from_buffer("double[]", out)
-            self._field._run(name, lambda core, work: function(core.field, work.run, hits, records.size, to), progress=progress,
+            self._field._run(name, lambda core, work: work.check(function(core.field, work.run, hits, records.size, to)), progress=progress,
                              core=self._field._core)
         return out
 
@@ -205,8 +205,6 @@ class Rays(Products):
         return out.view(np.bool_).reshape(shape)
 
     def _trace(self, method, origins, directions, tmin, tmax, kernel, progress):
-        if kernel is not None and not isinstance(kernel, str):
-            raise TypeError(f"kernel: {kernel!r}, expected a name of cellwalk.kernels()")
         shape, operands = rays_of(origins, directions, tmin, tmax)
         n, wide = len(operands[0]), operands[0].dtype == np.float64
         rays = ffi.new("rays *", {"at": [a.ctypes.data for a in operands], "step": [a.strides[0] for a in operands], "n": n, "wide": wide,
@@ -214,6 +212,6 @@ class Rays(Products):
         closest = method == "closest"
         out = np.empty(n * (_dtype.itemsize if closest else 1), np.uint8)
         hits, any_hit = (ffi.from_buffer("cw_hit[]", out), ffi.NULL) if closest else (ffi.NULL, ffi.from_buffer("uint8_t[]", out))
-        self._run(method, lambda core, work: lib.rays_trace(rays, core.field, work.c, hits, any_hit), progress=progress, core=self._core,
-                  kernel=kernel)
+        self._run(method, lambda core, work: work.check(lib.rays_trace(rays, core.field, work.c, hits, any_hit)), progress=progress,
+                  core=self._core, kernel=kernel)
         return shape, out

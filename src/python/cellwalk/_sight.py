@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ._convert import count, finite
+from ._convert import array_of, count, finite
 from ._core import ffi, lib, warn
 from ._plans import ANSWER, Plan, Products, along, azimuths_of, distance_of, ends_of, find_eye, round_of, spots_of
 
@@ -73,7 +73,7 @@ VIEWS = {"seen": ("viewshed", {"long_name": "number of observers that see it"}),
 
 
 def views_of(spots: np.ndarray, limits: dict[str, float], kind: str, bands: bool = False) -> Plan:
-    """What the spots see. Counts come as uint16, weights as float64, with nothing at holes."""
+    """What the spots see. Counts come as uint16, weights as float64."""
     if kind not in ("seen", "weights") and len(spots) > 1 and not bands:
         raise ValueError(f"{kind}: that of one observer, not of {len(spots)}; bands=True gives one for each")
     if bands and kind == "weights":
@@ -97,8 +97,8 @@ def _look(core, work, terrain, spot, limits, area, **to):
 
 
 def _viewshed(core, work, area, out, limits, spots, kind):
-    """Of each sample a uint16 that grows by 1 for each observer that sees it, a double that grows by the observer's weight, or a float; or a
-    plane of them for each observer."""
+    """Of each sample how many observers see it (65535 at holes), the sum of their weights, or a float; or a plane of them for each
+    observer."""
     terrain = core.with_bounds(work)
     for k, spot in enumerate(spots):
         work.part(k, len(spots))
@@ -110,6 +110,11 @@ def _viewshed(core, work, area, out, limits, spots, kind):
         else:
             view = {"angle" if kind == "angle" else "needed": ffi.from_buffer("float[]", to)}
         _look(core, work, terrain, spot, limits, area, **view)
+    heights = core.source.samples[area.at.j:area.at.j + area.at.ny, area.at.i:area.at.i + area.at.nx]
+    if kind in ("seen", "weights"):
+        out[..., ~np.isfinite(heights)] = 65535 if kind == "seen" else np.nan
+    elif kind == "needed_absolute":
+        out += heights.astype(np.float64) * terrain.map[2][2]
 
 
 def _sites(core, work, area, limits, spots, within):
@@ -183,7 +188,7 @@ def _profile(core, work, line, curvature, frequency):
 
 def _visibility(core, work, area, out, how, member):
     answers = ffi.new("cw_visibility_answers *", {member: ffi.from_buffer("float[]", out)})
-    return lib.cw_visibility(core.terrain, work.run, ffi.new("cw_visibility_desc *", how), area, answers)
+    work.check(lib.cw_visibility(core.terrain, work.run, ffi.new("cw_visibility_desc *", how), area, answers))
 
 
 class Sight(Products):
@@ -268,15 +273,10 @@ class Sight(Products):
         plan = views_of(spots, limits, kind, bool(bands))
         data = self._rows(plan, None, progress)
         if kind == "seen":
-            small = bands or len(spots) <= 254
-            data[..., ~np.isfinite(self._samples)] = 255 if small else 65535
-            data = data.astype(np.uint8) if small else data
-            plan.attrs["_FillValue"] = data.dtype.type(255 if small else 65535)
+            data = data.astype(np.uint8) if bands or len(spots) <= 254 else data
+            plan.attrs["_FillValue"] = data.dtype.type(np.iinfo(data.dtype).max)
         elif kind == "weights":
-            data = np.where(np.isfinite(self._samples), data, np.nan).astype(np.float32)
-        elif kind == "needed_absolute":
-            metres = self._source.map[2, 2] * (1.0 if self._source.crs.geographic else self._source.crs.unit or 1.0)
-            data = (data + self._samples.astype(np.float64) * metres).astype(np.float32)
+            data = data.astype(np.float32)
         return self._dress(plan, data)
 
     def sites(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike | None = None, target_height: float = 0.0,
@@ -295,7 +295,7 @@ class Sight(Products):
         spots = self._spots(spots_of(x, y, observer_height, observer_elevation), every, skip_outside)
         limits = self._limits(target_height, max_distance, min_distance, azimuth, vertical, curvature)
         if within is not None:
-            within = np.ascontiguousarray(np.asarray(within) != 0, np.uint8)
+            within = np.ascontiguousarray(array_of(within, "within") != 0, np.uint8)
             if within.shape != self.shape:
                 raise ValueError(f"within: shape {within.shape}, expected the field's {self.shape}")
         area = ffi.new("cw_area *", {"at": (0, 0, *self.shape[::-1])})[0]

@@ -31,7 +31,7 @@ import dask.array as da
 import numpy as np
 
 from . import _light
-from ._convert import count, describe_dataarray, dress, finite, nodata_of, samples_of
+from ._convert import check_sides, count, describe_dataarray, dress, finite, nodata_of, samples_of
 from ._core import Core, check, ffi, lib
 from ._field import Field, field_of, open as open_field
 from ._light import Light
@@ -211,8 +211,7 @@ class _Raster(Light, Sight):
         else:
             raise TypeError(f"source: {type(source).__name__}, expected a path or a DataArray")
         rows, columns = self.shape
-        if min(rows, columns) < 2:
-            raise ValueError(f"source: {rows} rows of {columns} samples, expected at least 2 of each")
+        check_sides(self.shape, "source")
         self._source = about._replace(shape=self.shape)
         # Can be hashed.
         self.site = about._replace(shape=self.shape, map=tuple(map(tuple, about.map.tolist())), crs=about.crs._replace(given=None),
