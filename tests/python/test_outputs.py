@@ -208,7 +208,7 @@ with rasterio.open("a.tif", "w", driver="GTiff", width=3, height=3, count=1, dty
     file.write(np.ones((1, 3, 3), np.float32))
 import cellwalk
 do_io, told = cellwalk._raster.do_io, []
-cellwalk._raster.do_io = lambda *words: time.sleep(0.06) or do_io(*words)  # as if reading took long, so that progress is told meanwhile
+cellwalk._raster.do_io = lambda *words, **more: time.sleep(0.06) or do_io(*words, **more)  # as if reading took long, so that progress is told
 assert cellwalk.open("a.tif", progress=lambda share: told.append(state())).z.shape == (3, 3)
 assert len(told) == 3 and told + [state()] == 4 * [before]
 with MemoryFile() as memory, memory.open(driver="GTiff", width=3, height=3, count=1, dtype="float32") as file:

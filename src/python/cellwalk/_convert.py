@@ -126,7 +126,7 @@ def describe_dataarray(z, transform=None, crs=None, nodata=None, zscale=None) ->
     for place in (like.attrs, like.encoding):
         for key in ("_FillValue", "nodata", "missing_value"):
             if nodata is None and np.ndim(place.get(key)) == 0 and place.get(key) is not None:
-                nodata = float(place[key])
+                nodata = nodata_of(place[key])
     if crs is None:
         mapping = like.coords.get(like.attrs.get("grid_mapping", like.encoding.get("grid_mapping", "spatial_ref")))
         named = {} if mapping is None else mapping.attrs
@@ -223,7 +223,7 @@ def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
 
 
 def read_source(z, transform, crs, nodata, zscale, band) -> Source:
-    if hasattr(z, "dims") and hasattr(z, "coords"):
+    if hasattr(z, "ndim") and hasattr(z, "coords"):
         described = describe_dataarray(z, transform, crs, nodata, zscale)
         return described._replace(samples=samples_of(described.like.values, described.nodata))
     if hasattr(z, "read") and hasattr(z, "transform"):

@@ -55,11 +55,15 @@ raster_door = threading.RLock()
 os.register_at_fork(before=raster_door.acquire, after_in_parent=raster_door.release, after_in_child=raster_door._at_fork_reinit)
 
 
-def do_io(function, *arguments) -> str:
-    """Calls a function of src/io or src/ground whose last argument is an io_error; what that says, or nothing."""
+def do_io(function, *arguments, fails: Any = OSError, work: Any = None) -> None:
+    """Calls a function of src/io or src/ground whose last argument is an io_error, and raises what that says."""
     error = ffi.new("io_error *")
     with raster_door:
-        return "" if function(*arguments, error) else ffi.string(error.text).decode(errors="replace")
+        good = function(*arguments, error)
+    if work is not None:
+        work.check()
+    if not good:
+        raise fails(ffi.string(error.text).decode(errors="replace"))
 
 
 def warn(text: str) -> None:

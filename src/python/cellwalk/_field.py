@@ -56,7 +56,6 @@ def _coarser(core, work, factor, filter):
     rows, columns = (-(-(n - 1) // factor) + 1 for n in core.shape)
     first = ffi.gc(lib.cw_field_row(made[0], 0), [made].count)  # the samples keep the field; no Python runs in the end, which would drop Ctrl-C
     samples = np.frombuffer(ffi.buffer(first, 4 * rows * columns), np.float32).reshape(rows, columns)
-    samples.flags.writeable = False  # an update copies them
     return made, samples, Difference(difference.above, difference.below, difference.rms, difference.lost, difference.made)
 
 
@@ -126,7 +125,7 @@ class Field(Rays, Light, Sight):
         self._difference: Optional[Difference] = None
         held = given.data if hasattr(given, "dims") else given  # chunks are not computed again, and may be views of another array
         shared = given is not None and (hasattr(held, "dask") or np.shares_memory(source.samples, np.asarray(held)))
-        self._own = copy or not shared
+        self._own = made is None and (copy or not shared)  # else an update copies the samples
         self._core = self._build(source.samples.copy() if copy and shared else source.samples, progress, made)
 
     def _build(self, samples: np.ndarray, progress=None, made=None) -> Core:

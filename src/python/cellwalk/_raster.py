@@ -97,9 +97,7 @@ def scale_of(source: Source, name: str) -> bytes:
 def find_place(wkt: str, x: float, y: float) -> tuple[float, float, float]:
     """Longitude, latitude, and how far the map's north is turned there from the true one, toward the west."""
     place = ffi.new("sun_place *")
-    wrong = do_io(lib.sun_place_of, ffi.new("terrain *"), georef_of(wkt), ffi.new("double[2]", [x, y]), b"crs", NULL, place)
-    if wrong:
-        raise ValueError(wrong)
+    do_io(lib.sun_place_of, ffi.new("terrain *"), georef_of(wkt), ffi.new("double[2]", [x, y]), b"crs", NULL, place, fails=ValueError)
     return place.longitude, place.latitude, place.turned
 
 
@@ -117,10 +115,7 @@ def read_raster(path: str, band: int, nodata: Optional[float] = None, cellsize: 
         "band": band, "nodata": values, "nodata_count": len(values), "cellsize": cellsize, "zscale": zscale, "no_samples": window is None,
         "window": {"i": column, "j": row, "nx": columns, "ny": rows}, "warn": lib.python_warn,
         "progress": ffi.addressof(lib, "work_watch"), "context": work.c})
-    wrong = do_io(lib.io_raster_read, c_text(os.fsencode(path)), options, raster)
-    work.check()
-    if wrong:
-        raise OSError(wrong)
+    do_io(lib.io_raster_read, c_text(os.fsencode(path)), options, raster, work=work)
     work.finish()
     shape = raster.ny, raster.nx
     samples = None
@@ -155,9 +150,7 @@ class GeoTiff:
         product = {"bands": bands, "ny": rows, "nx": columns, "cell": _CELLS[dtype], "map": place, "georef": georef, "has_nodata": True,
                    "nodata": nodata, "uncompressed": not compress, "creation": creation, "creation_count": len(tiles)}
         self._kept = georef, place, tiles, creation  # the writer has pointers to them
-        wrong = do_io(lib.io_raster_create, self._writer, name, ffi.new("io_raster_product *", product))
-        if wrong:
-            raise OSError(wrong)
+        do_io(lib.io_raster_create, self._writer, name, ffi.new("io_raster_product *", product))
 
     def _is_open(self) -> bool:
         """GDAL's unwritten tiles and the file belong to the process that opened it: a child that was forked touches neither."""
@@ -166,9 +159,7 @@ class GeoTiff:
     def _do(self, function, *arguments) -> None:
         if not self._is_open():
             raise ValueError("the GeoTIFF is closed, or was opened by another process")
-        wrong = do_io(function, self._writer, *arguments)
-        if wrong:
-            raise OSError(wrong)
+        do_io(function, self._writer, *arguments)
 
     def write(self, band: int, row: int, column: int, rows: int, columns: int, block: np.ndarray) -> None:
         """Each cell once, in any order."""

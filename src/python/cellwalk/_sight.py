@@ -348,7 +348,7 @@ class Sight(Products):
             >>> cw.Field(z).visibility(result="share")[4, [1, 5]].round(2)
             array([0.63, 1.  ], dtype=float32)
         """
-        if result not in _VISIBILITY:
+        if result not in tuple(_VISIBILITY):
             raise ValueError(f"result: {result!r}, expected one of {', '.join(_VISIBILITY)}")
         look = {"directions": count(directions, "directions", 1, 3600), "max_distance": distance_of(max_distance),
                 "height": finite(observer_height, "observer_height", 0), "target": finite(target_height, "target_height", 0),

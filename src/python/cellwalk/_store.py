@@ -41,8 +41,7 @@ def _place_of(result, like, shape) -> tuple[Optional[np.ndarray], Optional[str]]
         name = os.fspath(like)
         about, _ = read_raster(name, 0)
         if about.shape != shape:
-            rows, columns = about.shape
-            raise ValueError(f"like: {name!r} has {rows} x {columns} samples, the result {shape[0]} x {shape[1]}")
+            raise ValueError(f"like: {name!r} has samples of shape {about.shape}, the result {shape}")
         return (about.map, about.crs.wkt) if about.placed else (None, None)
     if not hasattr(result, "dims") or any(name not in result.coords for name in result.dims[-2:]):
         return None, None
@@ -75,6 +74,8 @@ def to_geotiff(result: Any, path: str | os.PathLike[str], like: str | os.PathLik
     array = result.data if hasattr(result, "dims") else result
     if not isinstance(array, da.Array) or array.ndim not in (2, 3):
         raise TypeError(f"result: {type(result).__name__}, expected what shadow, viewshed, horizon or sky_view returned")
+    if not all(n > 0 for n in array.shape):  # NaN: not known yet
+        raise ValueError(f"result: shape {array.shape}, expected numbers above 0")
     _refuse_inputs(array, path, like)
     bands, rows, columns = (1, *array.shape)[-3:]
     # Compressed tiles that are written in parts would leave gaps.

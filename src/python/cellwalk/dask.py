@@ -142,7 +142,7 @@ class _Reach:
         """The part that a viewshed from a place examines; without rows if there is none."""
         at = ffi.new("double[2]")
         if not lib.cw_terrain_find_place(self.core.terrain, x, self.core.north(y), at):
-            raise ValueError("x, y: an observer is too far away from the terrain")
+            raise ValueError(f"x, y: ({x:.10g}, {y:.10g}) is too far away from the terrain")
         return _window_of(lib.cw_reach_around(self.core.terrain, at, distance))
 
     def matters(self, w: _Window, distance: float, ranges=None, lights=()) -> _Window:
@@ -202,7 +202,7 @@ class _Raster(Light, Sight):
             self.band = 0 if band is None else count(band, "band", 1, 65535)
             self.shape = read_raster(self.path, self.band)[0].shape
             about = open_field(self.path, (0, 0, 2, 2), band=band, nodata=nodata, crs=crs, threads=1)._source
-        elif hasattr(source, "dims") and hasattr(source, "coords"):
+        elif hasattr(source, "ndim") and hasattr(source, "coords"):
             about = describe_dataarray(source, crs=crs, nodata=nodata)
             self.like, nodata, self.shape = about.like, about.nodata, about.shape
             self.input = source.encoding.get("source")
@@ -354,6 +354,8 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
             window = r.reach.grown(window)
             r.check_memory("max_distance", [(window, window)])
             views.append((window, task(r.part(window), g, window, views_of(place[None], limits, kind), r.threads)))
+        elif not place[3]:
+            raise ValueError(f"x, y: ({place[0]:.10g}, {place[1]:.10g}) has no ground under it within max_distance")
 
     def near(w):
         return [(v, s) for v, s in views if v.row < w.row + w.rows and w.row < v.row + v.rows
