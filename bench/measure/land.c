@@ -19,7 +19,7 @@ static void warn(void *context, const char *text) {
 
 /* A raster's heights in cells. A degree counts 111 320 m along both axes: these rays are for timing. */
 static bool read_raster(land *l, const char *path, double cell_size, io_error *error) {
-    const io_raster_options options = {.cellsize = cell_size, .north_up = true, .warn = warn};
+    const io_raster_options options = {.cellsize = cell_size, .north_up = true, .warn = {warn, NULL}};
     io_raster raster;
     if (!io_raster_read(path, &options, &raster, error)) return false;
     const io_georef *g = &raster.georef;

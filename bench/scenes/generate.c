@@ -117,7 +117,10 @@ static bool write_image(const char *path, size_t width, size_t height, void (*sh
         for (size_t x = 0; x < width; x++)
             shade(((double)x + 0.5) / (double)width, ((double)y + 0.5) / (double)height,
                   image.rgb + (y * width + x) * 3);
-    const bool good = io_image_write(path, &image, error);
+    io_output out;
+    const bool good =
+        io_output_open(&out, path, error) && io_image_put(&out, &image, error) && io_output_commit(&out, error);
+    io_output_discard(&out);
     free(image.rgb);
     return good;
 }

@@ -84,11 +84,6 @@ static bool tell_reading(void *context, double share) {
     return w->tell(w->context, ((const ground *)context)->pieces > 0 ? NULL : "reading", share);
 }
 
-static void warn(void *context, const char *text) {
-    const ground_watch *w = &((ground *)context)->watch;
-    if (w->warn) w->warn(w->context, text);
-}
-
 /* A coarser raster is made of all samples, and then in memory. */
 static bool read_coarser(ground *g, io_error *error) {
     raster_field file;
@@ -100,7 +95,7 @@ static bool read_coarser(ground *g, io_error *error) {
 
 bool ground_open(ground *g, io_error *error) {
     io_raster *r = &g->about;
-    g->reading.warn = warn;
+    g->reading.warn = g->watch.warn;
     g->reading.progress = tell_reading;
     g->reading.context = g;
     io_raster_options o = g->reading;
@@ -108,7 +103,7 @@ bool ground_open(ground *g, io_error *error) {
     if (!(g->coarser.factor > 0 ? read_coarser(g, error) : io_raster_read(g->path, &o, r, error))) return false;
     if (r->nx < 2 || r->ny < 2)
         return io_fail(error, "%s: %zu x %zu samples; a terrain has at least 2 x 2", g->path, r->nx, r->ny);
-    const bool scaled = io_scale_find(&r->georef, r->map, r->nx, r->ny, g->path, warn, g, &g->nodes);
+    const bool scaled = io_scale_find(&r->georef, r->map, r->nx, r->ny, g->path, &g->watch.warn, &g->nodes);
     if (!describe(&g->whole, r, NULL, scaled ? &g->nodes : NULL, g->path, error)) return false;
     g->terrain = g->whole;
     ground_set_window(g, ground_all(g));
@@ -162,7 +157,7 @@ static void warn_of_samples(void *context, const char *text) {
     for (size_t k = 0; k < g->warnings; k++)
         if (strncmp(text, g->warned[k], sizeof g->warned[k] - 1) == 0) return;
     snprintf(g->warned[g->warnings++], sizeof g->warned[0], "%s", text);
-    warn(g, text);
+    io_warn(&g->watch.warn, "%s", text);
 }
 
 /* Of a file that was read as a whole a part is cut out. All of it is lent. */
@@ -172,7 +167,8 @@ static bool read_part(ground *g, cw_rectangle part, io_raster *r, io_error *erro
     *r = (io_raster){.nx = from->nx, .ny = from->ny, .z = from->z};
     if (from->z != NULL && is_all(g, part)) return true;
     if (from->z != NULL) {
-        if (!io_raster_allocate(g->path, part.nx, part.ny, r, error)) return false;
+        *r = (io_raster){.nx = part.nx, .ny = part.ny};
+        if (!io_raster_allocate(g->path, r, error)) return false;
         float *z = r->memory;
         for (size_t y = 0; y < part.ny; y++)
             memcpy(z + y * part.nx, from->z + (part.j + y) * from->nx + part.i, part.nx * sizeof *z);
@@ -182,7 +178,7 @@ static bool read_part(ground *g, cw_rectangle part, io_raster *r, io_error *erro
     /* The map is that of the whole raster, which has been described. */
     o.cellsize = 0;
     o.north_up = false;
-    o.warn = warn_of_samples;
+    o.warn = (io_warner){warn_of_samples, g};
     if (!io_raster_read(g->path, &o, r, error)) return false;
     g->pieces++;
     io_georef_free(&r->georef);

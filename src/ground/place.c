@@ -168,11 +168,8 @@ static bool put_along(io_points *o, const io_points *corners, double every, cons
 }
 
 bool observers_find(io_points *o, const observers_from *from, const ground *g, io_error *error) {
-    const io_points_options reading = {.height = from->height,
-                                       .layer = from->layer,
-                                       .crs = g->about.georef.crs,
-                                       .warn = g->watch.warn,
-                                       .context = g->watch.context};
+    const io_points_options reading = {
+        .height = from->height, .layer = from->layer, .crs = g->about.georef.crs, .warn = g->watch.warn};
     io_points given = {0};
     if (from->file && !io_points_read(from->file, &reading, &given, error)) return false;
     bool good = true;

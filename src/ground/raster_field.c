@@ -47,8 +47,8 @@ bool raster_field_build(raster_field *f, const char *path, const cw_run *query, 
 /* The coarser field's samples and map, for readers of the raster. */
 static bool replace(io_raster *r, const cw_field *coarser, unsigned factor, const char *path, io_error *error) {
     const cw_field_info info = cw_field_describe(coarser);
-    io_raster smaller;
-    if (!io_raster_allocate(path, info.nx, info.ny, &smaller, error)) return false;
+    io_raster smaller = {.nx = info.nx, .ny = info.ny};
+    if (!io_raster_allocate(path, &smaller, error)) return false;
     float *z = smaller.memory;
     for (size_t j = 0; j < info.ny; j++) memcpy(z + j * info.nx, cw_field_row(coarser, j), info.nx * sizeof *z);
     for (int k = 0; k < 3; k++)

@@ -9,7 +9,7 @@
 /* The caller's side of long work. */
 typedef struct ground_watch {
     bool (*tell)(void *context, const char *step, double share); /* false: end the work */
-    void (*warn)(void *context, const char *text);
+    io_warner warn;
     void (*note)(void *context, const char *text); /* what a coarser field loses; NULL: nobody asks */
     void *context;
 } ground_watch;

@@ -64,7 +64,7 @@ bool sun_list_read(const char *path, const ground_watch *w, sun_list *list, io_e
     *list = (sun_list){0};
     if (!io_inputs_note_path(path)) return io_fail(error, "out of memory");
     if (!io_table_read(path, &t, error)) return false;
-    bool good = io_table_columns(&t, names, NAMES, WEIGHT, columns, w->warn, w->context, error);
+    bool good = io_table_columns(&t, names, NAMES, WEIGHT, columns, &w->warn, error);
     if (good && t.rows == 0) good = io_fail(error, "%s: holds no places of the sun", path);
     list->suns = calloc(t.rows + 1, sizeof *list->suns);
     list->weights = calloc(t.rows + 1, sizeof *list->weights);

@@ -198,11 +198,9 @@ void io_npy_shape_text(size_t rank, const uint64_t *shape, char *text, size_t si
 
 bool io_npy_expect_type(const io_npy *npy, const char *const *types, size_t count, io_error *error) {
     char list[64] = "";
-    size_t used = 0;
     for (size_t k = 0; k < count; k++) {
         if (strcmp(npy->header.type, types[k]) == 0) return true;
-        if (used < sizeof list)
-            used += (size_t)snprintf(list + used, sizeof list - used, "%s'%s'", k ? ", " : "", types[k]);
+        io_list(list, sizeof list, "'%s'", types[k]);
     }
     return io_fail(error, "%s: holds elements of type '%s', not %s; in NumPy, a.astype('%s') converts", npy->path,
                    npy->header.type, list, types[0]);
@@ -215,13 +213,11 @@ const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *e
         npy->rows = bytes < SIZE_MAX ? malloc(bytes > 0 ? (size_t)bytes : 1) : NULL;
         npy->room = bytes;
     }
-    if (npy->rows == NULL) {
-        io_fail(error, "%s: out of memory for %llu bytes", npy->path, (unsigned long long)bytes);
-        return NULL;
-    }
-    if (io_file_read_at(npy->fd, npy->path, npy->rows, (size_t)bytes, npy->offset + first * npy->row_bytes, error))
-        return npy->rows;
-    return NULL;
+    const bool good =
+        (npy->rows != NULL ||
+         io_fail(error, "%s: out of memory for %llu bytes", npy->path, (unsigned long long)bytes)) &&
+        io_file_read_at(npy->fd, npy->path, npy->rows, (size_t)bytes, npy->offset + first * npy->row_bytes, error);
+    return good ? npy->rows : NULL;
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */

@@ -22,15 +22,13 @@
 /* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor
  * leads: a file that a shell opened to append to must not be replaced. */
 static int descriptor_of(const char *path) {
-    static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
+    const char *number = strncmp(path, "/dev/fd/", 8) == 0          ? path + 8
+                         : strncmp(path, "/proc/self/fd/", 14) == 0 ? path + 14
+                                                                    : "";
+    const size_t digits = strspn(number, "0123456789");
     if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0) return STDOUT_FILENO;
     if (strcmp(path, "/dev/stderr") == 0) return STDERR_FILENO;
-    for (size_t k = 0; k < sizeof folders / sizeof folders[0]; k++) {
-        const char *digits = path + strlen(folders[k]);
-        if (strncmp(path, folders[k], strlen(folders[k])) != 0 || strlen(digits) == 0 || strlen(digits) > 9) continue;
-        if (strspn(digits, "0123456789") == strlen(digits)) return atoi(digits);
-    }
-    return -1;
+    return digits > 0 && digits < 10 && number[digits] == '\0' ? atoi(number) : -1;
 }
 
 /* The part of path behind its last slash. */
@@ -222,13 +220,17 @@ static int create_in_place_of(io_output *out, const struct stat *old) {
     return create(out, out->target, 0666);
 }
 
+static bool check_input(const io_output *out, const struct stat *about, io_error *error) {
+    return !io_inputs_have(about) ||
+           io_fail(error, "%s: is also an input; choose another name for the output", out->name);
+}
+
 /* Refuses a file that the process reads or writes already. */
 static bool check_conflicts(const io_output *out, const struct stat *about, io_error *error) {
     static const char *const streams[] = {"output", "error"};
     struct slot *own = &slots[out->slot];
     if (!io_inputs_are_protected()) return true;
-    if (about != NULL && io_inputs_have(about))
-        return io_fail(error, "%s: is also an input; choose another name for the output", out->name);
+    if (about != NULL && !check_input(out, about, error)) return false;
     identify(&own->identity, out->target, out->direct, about);
     for (struct slot *s = slots; s < slots + IO_OUTPUT_MAX; s++)
         if (s != own && atomic_load(&s->state) != FREE && is_same(&s->identity, &own->identity))
@@ -257,23 +259,25 @@ static int open_target(io_output *out, io_error *error) {
     return fd;
 }
 
+/* Makes a stream of a descriptor; -1 is one that could not be had, which error says already. */
+static bool start(io_output *out, int fd, io_error *error) {
+    if (fd >= 0 && (out->file = fdopen(fd, "wb")) != NULL) return true;
+    if (fd >= 0) {
+        fail_write(out, error);
+        close(fd);
+    }
+    io_output_discard(out);
+    return false;
+}
+
 bool io_output_open(io_output *out, const char *path, io_error *error) {
     *out = (io_output){.slot = -1};
     if (path[0] == '\0') return io_fail(error, "the output file's name is empty");
     out->name = strdup(strcmp(path, "-") == 0 ? "standard output" : path);
     out->target = out->name ? follow(path) : NULL;
-    if (out->target == NULL || !claim(out)) {
-        io_fail(error, "%s: cannot write: %s", path, strerror(errno));
-    } else {
-        const int fd = open_target(out, error);
-        if (fd >= 0 && (out->file = fdopen(fd, "wb")) != NULL) return true;
-        if (fd >= 0) {
-            fail_write(out, error);
-            close(fd);
-        }
-    }
-    io_output_discard(out);
-    return false;
+    const bool good =
+        (out->target != NULL && claim(out)) || io_fail(error, "%s: cannot write: %s", path, strerror(errno));
+    return start(out, good ? open_target(out, error) : -1, error);
 }
 
 const char *io_output_temporary(const io_output *out) { return slots[out->slot].temporary; }
@@ -283,24 +287,18 @@ bool io_output_open_scratch(io_output *out, const io_output *beside, const char 
     char name[PATH_MAX];
     const int length = snprintf(name, sizeof name, "%s%s", io_output_temporary(beside), suffix);
     const int fd = out->name != NULL && claim(out) ? create_temporary(&slots[out->slot], name, length, 0600) : -1;
-    if (fd >= 0 && (out->file = fdopen(fd, "wb")) != NULL) return true;
-    io_fail(error, "%s: cannot write: %s", beside->name, strerror(errno));
-    if (fd >= 0) close(fd);
-    io_output_discard(out);
-    return false;
+    if (fd < 0) fail_write(beside, error);
+    return start(out, fd, error);
 }
 
 bool io_output_reserve(io_output *out, uint64_t bytes, io_error *error) {
     if (out->direct || bytes == 0) return true;
-    if (bytes > INT64_MAX) {
-        errno = EFBIG;
-        return fail_write(out, error);
-    }
+    errno = EFBIG;
+    if (bytes > INT64_MAX) return fail_write(out, error);
 #if CELLWALK_LINUX
     /* Not posix_fallocate, which writes to every block itself where the file system has no such call. */
-    if (fallocate(fileno(out->file), FALLOC_FL_KEEP_SIZE, 0, (off_t)bytes) == 0) return true;
-    if (errno != ENOSPC && errno != EFBIG && errno != EDQUOT) return true;
-    return fail_write(out, error);
+    return fallocate(fileno(out->file), FALLOC_FL_KEEP_SIZE, 0, (off_t)bytes) == 0 ||
+           (errno != ENOSPC && errno != EFBIG && errno != EDQUOT) || fail_write(out, error);
 #else
     return true; /* a full disk is found out while writing */
 #endif
@@ -342,8 +340,7 @@ bool io_output_settle(io_output *out, io_error *error) {
     errno = reason != 0 ? reason : EIO; /* a write that failed earlier left its mark on the stream alone */
     if (!good) fail_write(out, error);
     /* Found out late if the input was opened after the output. */
-    if (good && out->direct && S_ISREG(about.st_mode) && io_inputs_have(&about))
-        good = io_fail(error, "%s: is also an input; choose another name for the output", out->name);
+    if (good && out->direct && S_ISREG(about.st_mode)) good = check_input(out, &about, error);
     if (!good) io_output_discard(out);
     return good;
 }
@@ -352,10 +349,8 @@ bool io_output_commit(io_output *out, io_error *error) {
     struct stat old;
     if (!io_output_settle(out, error)) return false;
     struct slot *s = &slots[out->slot];
-    bool good = true;
-    if (!out->direct && stat(out->target, &old) == 0 && io_inputs_have(&old)) {
-        good = io_fail(error, "%s: is also an input; choose another name for the output", out->name);
-    } else if (!out->direct) {
+    bool good = out->direct || stat(out->target, &old) != 0 || check_input(out, &old, error);
+    if (good && !out->direct) {
         /* Stays LIVE until it has its name: a signal handler finds it under one of the two, or removes it first. */
         good = rename(s->temporary, out->target) == 0;
         if (!good && atomic_load(&s->state) == GONE) errno = EINTR;

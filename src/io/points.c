@@ -70,21 +70,17 @@ bool io_place_take(const io_table *t, size_t row, size_t x, size_t y, size_t hei
            (height >= t->columns || io_table_height(t, row, height, &p->z, &p->absolute, error));
 }
 
-static bool take_row(const io_table *t, size_t row, const size_t columns[NAMES], double height, io_points *points,
-                     io_error *error) {
-    io_place p = {.z = height, .weight = 1};
-    return io_place_take(t, row, columns[X], columns[Y], columns[HEIGHT], columns[NAME], &p, error) &&
-           (columns[WEIGHT] >= t->columns || io_table_number(t, row, columns[WEIGHT], &p.weight, error)) &&
-           (io_points_add(points, &p) || io_fail(error, "%s: out of memory", t->path));
-}
-
 static bool take_table(const io_table *t, const io_points_options *o, io_points *points, io_error *error) {
-    size_t columns[NAMES];
-    if (!io_table_columns(t, names, NAMES, HEIGHT, columns, o->warn, o->context, error)) return false;
-    points->has_weight = columns[WEIGHT] < t->columns;
-    for (size_t row = 0; row < t->rows; row++)
-        if (!take_row(t, row, columns, o->height, points, error)) return false;
-    return true;
+    size_t of[NAMES];
+    bool good = io_table_columns(t, names, NAMES, HEIGHT, of, &o->warn, error);
+    points->has_weight = good && of[WEIGHT] < t->columns;
+    for (size_t row = 0; row < t->rows && good; row++) {
+        io_place p = {.z = o->height, .weight = 1};
+        good = io_place_take(t, row, of[X], of[Y], of[HEIGHT], of[NAME], &p, error) &&
+               (!points->has_weight || io_table_number(t, row, of[WEIGHT], &p.weight, error)) &&
+               (io_points_add(points, &p) || io_fail(error, "%s: out of memory", t->path));
+    }
+    return good;
 }
 
 static bool read_table(const char *path, const io_points_options *o, io_points *points, io_error *error) {

@@ -46,9 +46,7 @@ typedef struct io_points_options {
     double height;     /* of places without one, above the ground */
     const char *layer; /* NULL: the only one */
     const char *crs;   /* well-known text that GDAL's places are brought to, if the file has another; NULL: none */
-    /* NULL, or called with a warning: a sentence without a full stop that names the file. */
-    void (*warn)(void *context, const char *text);
-    void *context;
+    io_warner warn;
 } io_points_options;
 
 /* path must stay. A file without places is an error. On failure the points need no freeing. */

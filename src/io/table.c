@@ -168,18 +168,16 @@ bool io_table_height(const io_table *t, size_t row, size_t column, double *heigh
     return good || io_table_fail(t, row, column, "a height, as 2 or =1250,", error);
 }
 
-/* The names of columns that are none of count, with commas between them; how long that would be. */
-static size_t list_others(const io_table *t, const char *const *names, size_t count, const char *mark, char *text,
-                          size_t size) {
-    size_t used = 0;
+/* The names of columns that are none of count; false if there are none. */
+static bool list_others(const io_table *t, const char *const *names, size_t count, const char *mark, char *text,
+                        size_t size) {
     text[0] = '\0';
-    for (size_t k = 0; k < t->columns && used < size; k++) {
+    for (size_t k = 0; k < t->columns; k++) {
         bool known = false;
         for (size_t n = 0; n < count; n++) known |= strcasecmp(t->names[k], names[n]) == 0;
-        if (!known)
-            used += (size_t)snprintf(text + used, size - used, "%s%s%s%s", used ? ", " : "", mark, t->names[k], mark);
+        if (!known) io_list(text, size, "%s%s%s", mark, t->names[k], mark);
     }
-    return used;
+    return text[0] != '\0';
 }
 
 static bool find_column(const io_table *t, const char *name, bool needed, size_t *column, io_error *error) {
@@ -196,17 +194,16 @@ static bool find_column(const io_table *t, const char *name, bool needed, size_t
 }
 
 bool io_table_columns(const io_table *t, const char *const *names, size_t count, size_t needed, size_t *columns,
-                      void (*warn)(void *context, const char *text), void *context, io_error *error) {
-    char others[200], all[200], text[512];
+                      const io_warner *warn, io_error *error) {
+    char others[200], all[200];
     size_t used = 0;
     for (size_t n = 0; n < count; n++) {
         if (!find_column(t, names[n], n < needed, &columns[n], error)) return false;
         const char *between = n == 0 ? "" : n + 1 == count ? " and " : ", ";
         used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", between, names[n]);
     }
-    if (warn == NULL || list_others(t, names, count, "'", others, sizeof others) == 0) return true;
-    snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are %s", t->path, others, all);
-    warn(context, text);
+    if (list_others(t, names, count, "'", others, sizeof others))
+        io_warn(warn, "%s: passed over: %s; columns with a meaning are %s", t->path, others, all);
     return true;
 }
 

@@ -26,10 +26,10 @@ bool io_table_read(const char *path, io_table *table, io_error *error);
 void io_table_free(io_table *table);
 
 /* Numbers of columns by name, whatever its case. The first `needed` must be there; others are table->columns if they are not. An error if
- * two columns have one of the names. Tells warn, unless that is NULL, about columns with other names: a misspelt one would change an
+ * two columns have one of the names. Warns of columns with other names: a misspelt one would change an
  * answer without a word. */
 bool io_table_columns(const io_table *table, const char *const *names, size_t count, size_t needed, size_t *columns,
-                      void (*warn)(void *context, const char *text), void *context, io_error *error);
+                      const io_warner *warn, io_error *error);
 
 /* The decimal number in a cell. An error with file, line and cell if there is none. */
 bool io_table_number(const io_table *table, size_t row, size_t column, double *number, io_error *error);

@@ -67,7 +67,7 @@ static bool look_at_header(const char *path, const io_raster_options *options, s
     io_raster *r = &s->file.raster;
     o.no_samples = true;
     o.progress = NULL;
-    o.warn = NULL; /* until it is known that samples are not read, whose reading warns of the header too */
+    o.warn.call = NULL; /* until it is known that samples are not read, whose reading warns of the header too */
     if (!io_raster_read(path, &o, r, error)) return false;
     s->header = r->nx > many / r->ny;
     s->info = (cw_field_info){.nx = r->nx, .ny = r->ny};

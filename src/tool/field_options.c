@@ -80,14 +80,14 @@ static bool resolve_reading(field_options *f) {
             return command_refuse(f->name, "--nodata takes a number, not '%s'", f->nodata.values[k]);
     }
     if (f->network) gdal_allow_network();
-    f->watch = (ground_watch){tell, warn, note, f};
+    f->watch = (ground_watch){tell, {warn, f}, note, f};
     f->reading = (io_raster_options){
         .band = f->band,
         .nodata = f->nodata_values,
         .nodata_count = f->nodata.count,
         .cellsize = f->cellsize,
         .zscale = f->zscale,
-        .warn = warn,
+        .warn = f->watch.warn,
         .progress = tell_reading,
         .context = f,
     };

@@ -13,15 +13,14 @@
 #include <string.h>
 
 /* Few bytes may ask for as many samples as a field can hold, and rightly: no data, told briefly. Here that takes time alone. */
-static bool allocate_few(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error) {
+static bool allocate_few(const char *path, io_raster *raster, io_error *error) {
     enum { SAMPLES_MAX = 1 << 14 };
-    *raster = (io_raster){0};
-    if (nx > 0 && ny > SAMPLES_MAX / nx) return io_fail(error, "%s: too large", path);
-    return io_raster_allocate(path, nx, ny, raster, error);
+    if (raster->nx > 0 && raster->ny > SAMPLES_MAX / raster->nx) return io_fail(error, "%s: too large", path);
+    return io_raster_allocate(path, raster, error);
 }
 
 /* In place of src/io/raster/raster_gdal.c. */
-const io_gdal *io_gdal_load(io_error *error) { return &cellwalk_gdal_16; }
+const io_gdal *io_gdal_load(io_error *error) { return &cellwalk_gdal_17; }
 
 bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     if (gdal_raster(path, options, raster, error)) return true;
@@ -61,7 +60,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     VSIFCloseL(VSIFileFromMemBuffer(other, grid, sizeof grid - 1, FALSE));
     const unsigned told = size > 0 ? data[size / 2] : 0;
     const io_raster_options options = {
-        .band = told & 3, .nodata = &(double){1}, .nodata_count = (told & 4) != 0, .warn = pass_over};
+        .band = told & 3, .nodata = &(double){1}, .nodata_count = (told & 4) != 0, .warn = {pass_over, NULL}};
     io_raster raster;
     io_error error;
     if (io_raster_read(name, &options, &raster, &error)) {

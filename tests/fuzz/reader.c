@@ -46,7 +46,7 @@ static void read_field(const uint8_t *data, size_t size) {
                                        .cellsize = told & 32 ? 2 : 0,
                                        .zscale = told & 64 ? 0.5 : 0,
                                        .band = told & 128 ? 1 : 0,
-                                       .warn = pass_over};
+                                       .warn = {pass_over, NULL}};
     io_raster raster;
     if (!io_raster_read(put(FIELD, data, size), &options, &raster, NULL)) return;
     for (size_t k = 0; k < raster.nx * raster.ny; k++) sum = sum + (double)raster.z[k];
@@ -73,7 +73,7 @@ static void read_rays(const uint8_t *data, size_t size) {
 }
 
 static void read_points(const uint8_t *data, size_t size) {
-    const io_points_options options = {.warn = pass_over};
+    const io_points_options options = {.warn = {pass_over, NULL}};
     io_points points;
     if (!io_points_read(put(POINTS, data, size), &options, &points, NULL)) return;
     for (size_t k = 0; k < points.count; k++) {

@@ -116,7 +116,7 @@ static bool reads_table(const char *c, char **w, io_error *e) {
         good = io_table_number(&t, 0, 0, &value, e);
         save("number", &value, sizeof value);
     } else if (strcmp(c, "columns") == 0) {
-        good = io_table_columns(&t, names, whole(w[2]), whole(w[3]), columns, warn, NULL, e);
+        good = io_table_columns(&t, names, whole(w[2]), whole(w[3]), columns, &(io_warner){warn, NULL}, e);
         for (size_t k = 0; k < whole(w[2]); k++) fprintf(answer, "%zu ", columns[k]);
     } else {
         for (size_t k = 0; k < t.columns; k++) fprintf(answer, "%s\x1f", t.names[k]);
@@ -149,7 +149,9 @@ static bool writes_image(char **w, io_error *e) {
     size_t size;
     char *rgb = load("rgb", &size);
     const io_image image = {.width = whole(w[2]), .height = whole(w[3]), .rgb = (float *)(void *)rgb};
-    const bool good = io_image_can_write(w[1], e) && io_image_write(w[1], &image, e);
+    const bool good = io_image_can_write(w[1], e) && io_output_open(&outputs[0], w[1], e) &&
+                      io_image_put(&outputs[0], &image, e) && io_output_commit(&outputs[0], e);
+    io_output_discard(&outputs[0]);
     free(rgb);
     return good;
 }
@@ -203,7 +205,7 @@ static bool reads_raster(const char *name, const char *words, io_error *e) {
                                        .cellsize = numbers[2],
                                        .zscale = numbers[3],
                                        .north_up = option(words, "north_up=") != 0,
-                                       .warn = warn,
+                                       .warn = {warn, NULL},
                                        .progress = option(words, "stop=") ? goes_on : NULL,
                                        .context = &calls};
     io_raster_free(&raster);

@@ -43,15 +43,6 @@ bool io_image_put(io_output *out, const io_image *image, io_error *error) {
     return format != NULL && format->write(out, image, error);
 }
 
-bool io_image_write(const char *path, const io_image *image, io_error *error) {
-    if (!io_image_can_write(path, error)) return false;
-    io_output out;
-    if (!io_output_open(&out, path, error)) return false;
-    if (io_image_put(&out, image, error)) return io_output_commit(&out, error);
-    io_output_discard(&out);
-    return false;
-}
-
 bool io_image_read(const char *path, io_image *image, io_error *error) {
     *image = (io_image){0};
     const image_format *format = format_of(path, false, error);

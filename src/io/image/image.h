@@ -25,11 +25,8 @@ typedef struct io_image {
     uint16_t *halves;
 } io_image;
 
-/* The format follows from the file name's ending: .exr (half RGBA, alpha 1) or .png (8 bit, sRGB). The file
- * appears under its name only when it is whole: it is written beside it and renamed. On failure nothing is left. */
-bool io_image_write(const char *path, const io_image *image, io_error *error);
-
-/* The same into an output that is open and stays so; its name says the format. */
+/* Writes into an output, which stays open. The format follows from the ending of its name: .exr (half RGBA, alpha 1) or .png (8 bit,
+ * sRGB). */
 bool io_image_put(io_output *out, const io_image *image, io_error *error);
 
 /* Reads .exr (any channel types, R G B or Y). The caller frees the pixels with io_image_free. */

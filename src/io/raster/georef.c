@@ -5,7 +5,6 @@
 #include "number.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -106,37 +105,22 @@ bool io_georef_from_wkt(io_georef *georef, const char *wkt) {
 /* What a map_scale leaves out may be this large: angles of the horizon are then off by up to 0.3 degrees. */
 static const double most = 0.01;
 
-typedef struct finding {
-    const char *crs;
-    double middle[2]; /* of the raster, on the map */
-    void (*warn)(void *context, const char *text);
-    void *context;
-} finding;
-
-__attribute__((format(printf, 2, 3))) static void tell(const finding *f, const char *format, ...) {
-    char text[900], cure[120] = "gdalwarp -t_srs makes a map in another coordinate system, such as UTM";
-    double longitude = f->middle[0], latitude = f->middle[1];
-    if (f->warn == NULL) return;
-    va_list arguments;
-    va_start(arguments, format);
-    const int length = vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
+/* What a user can do who has such a map around that place of it. */
+static const char *cure(const char *crs, const double middle[2], char text[120]) {
+    double longitude = middle[0], latitude = middle[1];
     const io_gdal *gdal = io_gdal_load(NULL);
-    if (gdal && gdal->lon_lat(f->crs, false, 1, &longitude, &latitude, NULL) && fabs(longitude) < 180 &&
+    if (gdal && gdal->lon_lat(crs, false, 1, &longitude, &latitude, NULL) && fabs(longitude) < 180 &&
         fabs(latitude) < 84)
-        snprintf(cure, sizeof cure, "gdalwarp -t_srs EPSG:%d makes a map without that",
+        snprintf(text, 120, "gdalwarp -t_srs EPSG:%d makes a map without that",
                  (latitude < 0 ? 32700 : 32600) + (int)floor((longitude + 180) / 6) + 1);
-    if (length > 0 && (size_t)length < sizeof text) snprintf(text + length, sizeof text - (size_t)length, "; %s", cure);
-    f->warn(f->context, text);
+    else
+        snprintf(text, 120, "gdalwarp -t_srs makes a map in another coordinate system, such as UTM");
+    return text;
 }
 
 /* Local and engineering systems stand for no place on earth. */
 static bool is_projected(const io_georef *g) {
-    static const char *const local[] = {"LOCAL_CS", "ENGCRS", "ENGINEERINGCRS"};
-    if (!g->placed || g->geographic || g->crs == NULL) return false;
-    for (size_t k = 0; k < sizeof local / sizeof *local; k++)
-        if (strncmp(g->crs, local[k], strlen(local[k])) == 0) return false;
-    return true;
+    return g->placed && !g->geographic && g->crs != NULL && find(g->crs, "|LOCAL_CS|ENGCRS|ENGINEERINGCRS|", 0) == NULL;
 }
 
 /* How far the scale differs from that of the row's middle. */
@@ -150,34 +134,31 @@ static double along_rows(const map_scale *s) {
 }
 
 bool io_scale_find(const io_georef *georef, double map[3][4], size_t nx, size_t ny, const char *name,
-                   void (*warn)(void *context, const char *text), void *context, map_scale *scale) {
+                   const io_warner *warn, map_scale *scale) {
     if (!is_projected(georef)) return false;
     const double i = 0.5 * (double)(nx - 1), j = 0.5 * (double)(ny - 1);
-    const finding f = {georef->crs,
-                       {map[0][0] * i + map[0][1] * j + map[0][3], map[1][0] * i + map[1][1] * j + map[1][3]},
-                       warn,
-                       context};
-    char crs[200];
+    const double middle[2] = {map[0][0] * i + map[0][1] * j + map[0][3], map[1][0] * i + map[1][1] * j + map[1][3]};
+    char crs[200], text[120];
     io_error error;
     double sheared;
     io_georef_name(georef, crs, sizeof crs);
     const io_gdal *gdal = io_gdal_load(&error);
     if (gdal == NULL || !gdal->scale(georef->crs, map, nx, ny, scale, &sheared, &error)) {
-        tell(&f,
-             "%s: how long a metre of its map, %s, is on the ground is not known (%s), so distances and angles are the "
-             "map's",
-             name, crs, error.text);
+        io_warn(warn,
+                "%s: how long a metre of its map, %s, is on the ground is not known (%s), so distances and angles are "
+                "the map's; %s",
+                name, crs, error.text, cure(georef->crs, middle, text));
         return false;
     }
     /* A cosine c makes one diagonal of a square longer by about c / 2 of it and the other shorter by as much. */
     if (sheared > most)
-        tell(&f, "%s: on its map, %s, distances differ by direction by up to %.2g %%, which is left out", name, crs,
-             100 * sheared);
+        io_warn(warn, "%s: on its map, %s, distances differ by direction by up to %.2g %%, which is left out; %s", name,
+                crs, 100 * sheared, cure(georef->crs, middle, text));
     const double uneven = along_rows(scale);
     if (uneven > most)
-        tell(&f,
-             "%s: on its map, %s, the scale differs by up to %.2g %% from that of the row's middle, which stands for "
-             "the row",
-             name, crs, 100 * uneven);
+        io_warn(warn,
+                "%s: on its map, %s, the scale differs by up to %.2g %% from that of the row's middle, which stands "
+                "for the row; %s",
+                name, crs, 100 * uneven, cure(georef->crs, middle, text));
     return true;
 }

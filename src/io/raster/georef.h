@@ -3,6 +3,7 @@
 #ifndef CELLWALK_IO_GEOREF_H
 #define CELLWALK_IO_GEOREF_H
 
+#include "io_error.h"
 #include "map_scale.h"
 
 #include <stdbool.h>
@@ -41,8 +42,8 @@ bool io_georef_from_wkt(io_georef *georef, const char *wkt);
 
 /* Fills in the scale over nx × ny samples of a projected map. False if the map is no projected one, or its scale cannot
  * be had. Warns, by a sentence without a full stop that begins with name, where that matters: if the scale is not known,
- * and if it differs by direction or along a row by more than 1 %, which a map_scale does not have. warn may be NULL. */
+ * and if it differs by direction or along a row by more than 1 %, which a map_scale does not have. */
 bool io_scale_find(const io_georef *georef, double map[3][4], size_t nx, size_t ny, const char *name,
-                   void (*warn)(void *context, const char *text), void *context, map_scale *scale);
+                   const io_warner *warn, map_scale *scale);
 
 #endif

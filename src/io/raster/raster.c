@@ -11,16 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void warn(const io_raster_options *options, const char *format, ...) {
-    if (options->warn == NULL) return;
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    options->warn(options->context, text);
-}
-
 static void take_nodata_out(const io_raster_options *options, io_raster *raster) {
     for (size_t n = 0; n < options->nodata_count; n++) {
         const float value = (float)options->nodata[n];
@@ -64,21 +54,23 @@ static void smell_samples(const char *path, const io_raster_options *options, co
     }
     for (int k = 0; k < COUNT; k++)
         if (counts[k] > 0)
-            warn(options, "%s: %zu samples are %g, which often stands for no data; --nodata %g makes them holes", path,
-                 counts[k], (double)suspicious[k], (double)suspicious[k]);
+            io_warn(&options->warn,
+                    "%s: %zu samples are %g, which often stands for no data; --nodata %g makes them holes", path,
+                    counts[k], (double)suspicious[k], (double)suspicious[k]);
     if (huge > 0)
-        warn(options,
-             "%s: %zu samples are beyond 1e30, as %.9g, which looks like no data; --nodata %.9g makes them holes", path,
-             huge, (double)example, (double)example);
+        io_warn(&options->warn,
+                "%s: %zu samples are beyond 1e30, as %.9g, which looks like no data; --nodata %.9g makes them holes",
+                path, huge, (double)example, (double)example);
     const double share = (double)zeros / ((double)raster->nx * (double)raster->ny);
     if (!raster->georef.has_nodata && share >= 0.001 && share <= 0.5 && nearest >= 10)
-        warn(options,
-             "%s: %.3g %% of the samples are exactly 0, and the next ones are %.6g from it, which looks like missing "
-             "data; --nodata 0 makes them holes",
-             path, 100 * share, (double)nearest);
+        io_warn(
+            &options->warn,
+            "%s: %.3g %% of the samples are exactly 0, and the next ones are %.6g from it, which looks like missing "
+            "data; --nodata 0 makes them holes",
+            path, 100 * share, (double)nearest);
     if (largest > coarse)
-        warn(options, "%s: heights are floats, and those up to %.9g are rounded to multiples of %g", path,
-             (double)largest, (double)(nextafterf(largest, INFINITY) - largest));
+        io_warn(&options->warn, "%s: heights are floats, and those up to %.9g are rounded to multiples of %g", path,
+                (double)largest, (double)(nextafterf(largest, INFINITY) - largest));
 }
 
 /* A guess that is wrong makes relief 3.28 times too flat. */
@@ -88,27 +80,26 @@ static void tell_guessed_heights(const char *path, const io_raster_options *opti
     if (options->zscale > 0 || g->height_unit > 0 || !g->placed || g->geographic || g->unit == 0 || g->unit == 1)
         return;
     io_unit_name(g->unit, unit);
-    warn(options, "%s: heights taken as %s, as x and y; --zscale %.5g if they are metres", path, unit, 1 / g->unit);
+    io_warn(&options->warn, "%s: heights taken as %s, as x and y; --zscale %.5g if they are metres", path, unit,
+            1 / g->unit);
 }
 
 static void smell_degrees(const char *path, const io_raster_options *options, const io_raster *raster) {
     const io_georef *g = &raster->georef;
     const double dx = hypot(raster->map[0][0], raster->map[1][0]), x = raster->map[0][3], y = raster->map[1][3];
     if (g->placed && g->crs == NULL && dx > 0 && dx < 0.1 && fabs(x) <= 360 && fabs(y) <= 90)
-        warn(options,
-             "%s: samples are %g apart around (%g, %g), which looks like degrees, but the file names no coordinate "
-             "system;"
-             " heights are taken in the same unit",
-             path, dx, x, y);
+        io_warn(&options->warn,
+                "%s: samples are %g apart around (%g, %g), which looks like degrees, but the file names no coordinate "
+                "system;"
+                " heights are taken in the same unit",
+                path, dx, x, y);
 }
 
-bool io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error) {
-    *raster = (io_raster){.nx = nx, .ny = ny, .rows = ny, .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    if (ny == 0 || nx <= SIZE_MAX / sizeof(float) / ny) {
-        raster->memory = large_allocate(nx * ny * sizeof(float));
-    }
-    raster->z = raster->memory;
-    return raster->memory != NULL || io_fail(error, "%s: out of memory for %zu x %zu samples", path, nx, ny);
+bool io_raster_allocate(const char *path, io_raster *r, io_error *error) {
+    if (r->ny == 0 || r->nx <= SIZE_MAX / sizeof(float) / r->ny)
+        r->memory = large_allocate(r->nx * r->ny * sizeof(float));
+    r->z = r->memory;
+    return r->memory != NULL || io_fail(error, "%s: out of memory for %zu x %zu samples", path, r->nx, r->ny);
 }
 
 /* Samples that far apart, the first row in the north, the last row's first sample at the origin. */
@@ -131,10 +122,10 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
         g->placed = true;
     } else if (!g->placed && options->north_up) {
         set_map(options, 1, raster);
-        warn(options,
-             "%s: has no map: cells are read as 1 wide, row 0 as the northernmost, and the last row begins at 0,0;"
-             " --cellsize sets their width",
-             path);
+        io_warn(&options->warn,
+                "%s: has no map: cells are read as 1 wide, row 0 as the northernmost, and the last row begins at 0,0;"
+                " --cellsize sets their width",
+                path);
     }
     if (options->zscale > 0)
         raster->map[2][2] = options->zscale;
@@ -147,9 +138,7 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
 }
 
 bool io_raster_read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
-    static const io_raster_options nothing = {0};
     *raster = (io_raster){0};
-    if (options == NULL) options = &nothing;
     if (!(io_name_ends(path, ".npy") ? io_raster_read_npy : io_raster_read_gdal)(path, options, raster, error))
         return false;
     if (finish(path, options, raster, error)) return true;

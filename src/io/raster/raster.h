@@ -33,14 +33,13 @@ typedef struct io_raster_options {
     double zscale;           /* > 0: one unit of height is so many of the map's (metres, if that is in degrees) */
     io_raster_window window; /* only these samples; nx = 0: all. An error if the raster lacks some of them */
     bool no_samples;         /* size, map and georef alone: z stays NULL */
-    /* NULL, or called with a warning: a sentence without a full stop that names the file. */
-    void (*warn)(void *context, const char *text);
+    io_warner warn;
     /* NULL, or called now and then with the share that is read. False ends the reading with the error "interrupted". */
     bool (*progress)(void *context, double share);
     void *context;
 } io_raster_options;
 
-/* Reads a NumPy array (.npy), or what GDAL reads. options may be NULL. */
+/* Reads a NumPy array (.npy), or what GDAL reads. */
 bool io_raster_read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 void io_raster_free(io_raster *raster);
 
@@ -61,22 +60,26 @@ void io_raster_host(const io_gdal_host *host);
 bool io_raster_read_npy(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 
-/* For the readers: memory for nx × ny samples and the identity map. */
-bool io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error);
-
-/* For the readers: fails unless the options' window, if there is one, is part of nx × ny samples. */
-static inline bool io_raster_check_window(const io_raster_options *o, const char *path, size_t nx, size_t ny,
-                                          io_error *error) {
-    if (o->window.nx == 0 ||
-        (o->window.i < nx && o->window.nx <= nx - o->window.i && o->window.j < ny && o->window.ny <= ny - o->window.j))
-        return true;
-    return io_fail(error, "%s: the window of %zu x %zu samples from (%zu, %zu) on is no part of %zu x %zu samples",
-                   path, o->window.nx, o->window.ny, o->window.i, o->window.j, nx, ny);
-}
+/* For the readers: memory for the samples of a raster, of which the sides are known. */
+bool io_raster_allocate(const char *path, io_raster *raster, io_error *error);
 
 /* For the readers: makes the map begin at sample (i, j). */
 static inline void io_raster_shift(io_raster *raster, size_t i, size_t j) {
     for (int k = 0; k < 2; k++) raster->map[k][3] += raster->map[k][0] * (double)i + raster->map[k][1] * (double)j;
+}
+
+/* For the readers: cuts a raster without samples to the options' window, if there is one. An error if the raster lacks some of it. */
+static inline bool io_raster_cut(const io_raster_options *o, const char *path, io_raster *r, io_error *error) {
+    const io_raster_window *w = &o->window;
+    r->rows = r->ny;
+    if (w->nx == 0) return true;
+    if (w->i >= r->nx || w->nx > r->nx - w->i || w->j >= r->ny || w->ny > r->ny - w->j)
+        return io_fail(error, "%s: the window of %zu x %zu samples from (%zu, %zu) on is no part of %zu x %zu samples",
+                       path, w->nx, w->ny, w->i, w->j, r->nx, r->ny);
+    r->nx = w->nx;
+    r->ny = w->ny;
+    io_raster_shift(r, w->i, w->j);
+    return true;
 }
 
 /* For the readers: tells the options' progress; false, with the error, if the reading is to end. */

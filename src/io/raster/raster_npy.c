@@ -30,10 +30,9 @@ static bool convert(const io_npy *npy, const void *from, size_t n, size_t row, s
     return true;
 }
 
-/* The raster's part of the array, from (i, j) on. */
-static bool read_samples(io_npy *npy, const io_raster_options *o, size_t i, size_t j, io_raster *raster,
-                         io_error *error) {
-    const size_t nx = raster->nx, ny = raster->ny, row_bytes = (size_t)npy->row_bytes;
+/* The raster's part of the array. */
+static bool read_samples(io_npy *npy, const io_raster_options *o, io_raster *raster, io_error *error) {
+    const size_t nx = raster->nx, ny = raster->ny, row_bytes = (size_t)npy->row_bytes, i = o->window.i, j = o->window.j;
     const size_t most = READ_BYTES / row_bytes, at_once = most > 0 ? most : 1;
     for (size_t y = 0; y < ny; y += at_once) {
         const size_t count = ny - y < at_once ? ny - y : at_once;
@@ -61,17 +60,11 @@ static bool check(const io_npy *npy, io_error *error) {
 }
 
 static bool read_part(io_npy *npy, const io_raster_options *o, io_raster *raster, io_error *error) {
-    const size_t nx = (size_t)npy->header.shape[1], ny = (size_t)npy->header.shape[0];
-    const bool all = o->window.nx == 0;
-    if (!io_raster_check_window(o, npy->path, nx, ny, error)) return false;
-    const size_t columns = all ? nx : o->window.nx, rows = all ? ny : o->window.ny;
-    if (o->no_samples)
-        *raster = (io_raster){.nx = columns, .ny = rows, .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    else if (!io_raster_allocate(npy->path, columns, rows, raster, error))
-        return false;
-    raster->rows = ny;
-    io_raster_shift(raster, o->window.i, o->window.j);
-    return o->no_samples || read_samples(npy, o, o->window.i, o->window.j, raster, error);
+    *raster = (io_raster){.nx = (size_t)npy->header.shape[1],
+                          .ny = (size_t)npy->header.shape[0],
+                          .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    return io_raster_cut(o, npy->path, raster, error) &&
+           (o->no_samples || (io_raster_allocate(npy->path, raster, error) && read_samples(npy, o, raster, error)));
 }
 
 bool io_raster_read_npy(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {

@@ -87,7 +87,7 @@ def scale_of(source: Source, name: str) -> bytes:
     georef.placed = georef.crs != NULL
     with raster_door:
         found = min(source.shape) >= 2 and lib.io_scale_find(georef, ffi.new("double[3][4]", source.map.tolist()), *source.shape[::-1],
-                                                             c_text(name), lib.python_warn, work.c, scale)
+                                                             c_text(name), ffi.new("io_warner *", (lib.python_warn, work.c)), scale)
     work.check()
     for sentence in work.told.sentences:
         warn(sentence)
@@ -113,7 +113,7 @@ def read_raster(path: str, band: int, nodata: Optional[float] = None, cellsize: 
     values = ffi.new("double[]", [] if nodata is None else [nodata])
     options = ffi.new("io_raster_options *", {
         "band": band, "nodata": values, "nodata_count": len(values), "cellsize": cellsize, "zscale": zscale, "no_samples": window is None,
-        "window": {"i": column, "j": row, "nx": columns, "ny": rows}, "warn": lib.python_warn,
+        "window": {"i": column, "j": row, "nx": columns, "ny": rows}, "warn": (lib.python_warn, work.c),
         "progress": ffi.addressof(lib, "work_watch"), "context": work.c})
     do_io(lib.io_raster_read, c_text(os.fsencode(path)), options, raster, work=work)
     work.finish()

@@ -127,7 +127,7 @@ static bool look_at_pairs(los_command *c, io_error *error) {
     if (ground_is_small(g) && !ground_read(g, ground_all(g), false, error)) return false;
     if (!io_table_read(c->pairs, &c->table, error)) return false;
     if (t->rows == 0) return io_fail(error, "%s: holds no pairs", t->path);
-    if (!io_table_columns(t, columns, NAMES, HEIGHT1, c->columns, g->watch.warn, g->watch.context, error) ||
+    if (!io_table_columns(t, columns, NAMES, HEIGHT1, c->columns, &g->watch.warn, error) ||
         !io_output_print(&c->results, error,
                          "pair,x1,y1,x2,y2,visible,distance,blocked_distance,blocked_x,blocked_y,blocked_height%s%s\n",
                          c->megahertz > 0 ? ",clearance,clearance_distance,fresnel_radius" : "",

@@ -221,7 +221,8 @@ static bool make_scene(view *v, io_error *error) {
 
 /* A copy of the raster whose samples are lowered by the sight's curvature. */
 static bool lower(const io_raster *raster, const sight *s, const char *path, io_raster *lowered, io_error *error) {
-    if (!io_raster_allocate(path, raster->nx, raster->ny, lowered, error)) return false;
+    *lowered = (io_raster){.nx = raster->nx, .ny = raster->ny};
+    if (!io_raster_allocate(path, lowered, error)) return false;
     float *z = lowered->memory;
     for (size_t j = 0; j < raster->ny; j++)
         for (size_t i = 0; i < raster->nx; i++)
@@ -257,7 +258,7 @@ bool view_open(view *v, const field_options *fields, const char *path, io_error 
                   .query = fields->query,
                   .bytes = INFINITY};
     g->reading.north_up = true;
-    if (v->quiet) g->watch.warn = g->watch.note = NULL;
+    if (v->quiet) g->watch.warn.call = g->watch.note = NULL;
     if (!read_terrain(v, error) || !make_scene(v, error)) return false;
     if (v->lowered.field) raster_field_close(&g->file);
     return true;

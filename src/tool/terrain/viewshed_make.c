@@ -76,9 +76,8 @@ static bool can_look(const viewshed_command *c, const io_place *place, bool read
 }
 
 static bool skip_observers(viewshed_command *c, bool read, io_error *error) {
-    const ground_watch *w = &c->product.ground.watch;
+    const io_warner *to = &c->product.ground.watch.warn;
     io_points *o = &c->observers;
-    char text[600];
     size_t kept = 0;
     io_error why;
     if (!c->skip) return true;
@@ -87,14 +86,12 @@ static bool skip_observers(viewshed_command *c, bool read, io_error *error) {
             o->list[kept++] = o->list[k];
             continue;
         }
-        snprintf(text, sizeof text, "skipped: %s", why.text);
-        w->warn(w->context, text);
+        io_warn(to, "skipped: %s", why.text);
     }
     c->skipped += o->count - kept;
     o->count = kept;
     if (kept == 0) return io_fail(error, "none of %zu observers has ground to stand on", c->skipped);
-    snprintf(text, sizeof text, "%zu of %zu observers are skipped", c->skipped, c->skipped + kept);
-    if (read && c->skipped > 0) w->warn(w->context, text);
+    if (read && c->skipped > 0) io_warn(to, "%zu of %zu observers are skipped", c->skipped, c->skipped + kept);
     return true;
 }
 
@@ -153,15 +150,12 @@ static bool look_from(viewshed_command *c, io_error *error) {
 static bool find_inside(viewshed_command *c, io_error *error) {
     const ground *g = &c->product.ground;
     const terrain *t = &g->terrain;
-    const ground_watch *w = &g->watch;
-    const io_points_options reading = {.crs = g->about.georef.crs, .warn = w->warn, .context = w->context};
+    const io_points_options reading = {.crs = g->about.georef.crs, .warn = g->watch.warn};
     c->inside = calloc(t->nx, t->ny);
     if (c->inside == NULL) return io_fail(error, "out of memory");
     if (!io_areas_read(c->within, &reading, &(io_mask){t->map, t->nx, t->ny, c->inside}, error)) return false;
-    if (memchr(c->inside, 1, t->nx * t->ny) != NULL) return true;
-    char text[500];
-    snprintf(text, sizeof text, "%s: no sample that is looked at lies inside its polygons", c->within);
-    w->warn(w->context, text);
+    if (memchr(c->inside, 1, t->nx * t->ny) == NULL)
+        io_warn(&g->watch.warn, "%s: no sample that is looked at lies inside its polygons", c->within);
     return true;
 }
 

@@ -25,15 +25,14 @@ bool gdal_fail(io_error *error, const char *name, const char *what) {
     return false;
 }
 
-void gdal_warn(const io_raster_options *options, const char *format, ...) {
-    if (options->warn == NULL) return;
+void gdal_warn(const io_warner *to, const char *format, ...) {
     char text[512];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     gdal_streams(true);
-    options->warn(options->context, text);
+    io_warn(to, "%s", text);
     gdal_streams(false);
 }
 
@@ -109,4 +108,4 @@ void gdal_start(const io_gdal_program *of) {
 }
 
 #define ENTRY(name) .name = gdal_##name,
-__attribute__((visibility("default"))) const io_gdal cellwalk_gdal_16 = {IO_GDAL_FUNCTIONS(ENTRY)};
+__attribute__((visibility("default"))) const io_gdal cellwalk_gdal_17 = {IO_GDAL_FUNCTIONS(ENTRY)};

@@ -33,10 +33,7 @@ static OGRLayerH choose_layer(const reader *r, GDALDatasetH file) {
     OGRLayerH layer = name ? GDALDatasetGetLayerByName(file, name) : count == 1 ? GDALDatasetGetLayer(file, 0) : NULL;
     if (layer != NULL) return layer;
     char there[300] = "";
-    size_t used = 0;
-    for (int k = 0; k < count && used < sizeof there; k++)
-        used += (size_t)snprintf(there + used, sizeof there - used, "%s%s", k ? ", " : "",
-                                 OGR_L_GetName(GDALDatasetGetLayer(file, k)));
+    for (int k = 0; k < count; k++) io_list(there, sizeof there, "%s", OGR_L_GetName(GDALDatasetGetLayer(file, k)));
     if (count == 0)
         io_fail(error, "%s: holds no layer of features", path);
     else if (name)
@@ -49,12 +46,9 @@ static OGRLayerH choose_layer(const reader *r, GDALDatasetH file) {
 
 /* False only after an error: where either says no coordinate system, coordinates are the map's. */
 static bool find_way(reader *r, OGRLayerH layer, const char *crs) {
-    OGRSpatialReferenceH from = OGR_L_GetSpatialRef(layer), map = crs ? OSRNewSpatialReference(crs) : NULL;
-    if (from == NULL || map == NULL) {
-        if (map) OSRDestroySpatialReference(map);
-        return true;
-    }
-    from = OSRClone(from);
+    OGRSpatialReferenceH given = OGR_L_GetSpatialRef(layer), map = given && crs ? OSRNewSpatialReference(crs) : NULL;
+    if (map == NULL) return true;
+    OGRSpatialReferenceH from = OSRClone(given);
     OSRSetAxisMappingStrategy(from, OAMS_TRADITIONAL_GIS_ORDER);
     OSRSetAxisMappingStrategy(map, OAMS_TRADITIONAL_GIS_ORDER);
     const bool same = OSRIsSame(from, map) != 0;
@@ -131,16 +125,12 @@ static void note_others(const reader *r, OGRFeatureH f, bool others[FIELDS_MOST]
 /* Heights that are passed over in silence would be taken for the usual one. */
 static void warn_of_others(const reader *r, OGRFeatureDefnH about, const bool others[FIELDS_MOST]) {
     char list[300] = "";
-    size_t used = 0;
-    for (int k = 0; k < FIELDS_MOST && used < sizeof list; k++)
-        if (others[k])
-            used += (size_t)snprintf(list + used, sizeof list - used, "%s'%s'", used ? ", " : "",
-                                     OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(about, k)));
-    if (r->has_z && used < sizeof list) snprintf(list + used, sizeof list - used, "%sz of places", used ? ", " : "");
-    const io_raster_options to = {.warn = r->options->warn, .context = r->options->context};
+    for (int k = 0; k < FIELDS_MOST; k++)
+        if (others[k]) io_list(list, sizeof list, "'%s'", OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(about, k)));
+    if (r->has_z) io_list(list, sizeof list, "z of places");
     if (list[0] != '\0')
         gdal_warn(
-            &to,
+            &r->options->warn,
             "%s: passed over: %s; attributes with a meaning are height (or OFFSETA, above ground), weight and name",
             r->path, list);
 }

@@ -24,17 +24,13 @@ typedef struct io_gdal_program {
 /* Before any other. program must stay. */
 void gdal_start(const io_gdal_program *program);
 
-/* Reads a band of a file as heights, scale and offset applied, NaN where there are none. Files that it is made of are noted. On failure
- * raster must be freed, too. */
+/* io_raster_read_gdal, io_points_read and io_areas_read of files that GDAL reads. Those that a raster is made of are noted; on failure it
+ * must be freed, too. */
 bool gdal_raster(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
-
-/* Adds the places of a file of features. */
 bool gdal_points(const char *path, const io_points_options *options, io_points *points, io_error *error);
-
-/* Sets the bytes of samples inside the polygons of a file of features. */
 bool gdal_areas(const char *path, const io_points_options *options, const io_mask *mask, io_error *error);
 
-/* False unless GDAL knows these count creation options, "NAME=VALUE", of GeoTIFFs. */
+/* io_raster_check_creation. */
 bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error);
 /* Makes a GeoTIFF of the file at path, which is there and empty; of a COG, one that will have all rows until the COG is made of it.
  * writer->state is the module's. */
@@ -61,8 +57,8 @@ typedef struct io_gdal {
 } io_gdal;
 
 /* The one symbol that the module exports. Its name ends in the version of this interface. */
-#define IO_GDAL_SYMBOL "cellwalk_gdal_16"
-extern const io_gdal cellwalk_gdal_16;
+#define IO_GDAL_SYMBOL "cellwalk_gdal_17"
+extern const io_gdal cellwalk_gdal_17;
 
 /* In the program: loads the module at the first call. NULL, with the reason, if it is not there. */
 const io_gdal *io_gdal_load(io_error *error);

@@ -36,8 +36,8 @@ void gdal_streams(bool shown);
 bool gdal_enter(void);
 void gdal_leave(const bool *entered);
 
-/* Tells the options' warn. */
-__attribute__((format(printf, 2, 3))) void gdal_warn(const io_raster_options *options, const char *format, ...);
+/* io_warn while GDAL is at work. */
+__attribute__((format(printf, 2, 3))) void gdal_warn(const io_warner *to, const char *format, ...);
 
 /* Fills in the facts of a coordinate system: well-known text, units, ellipsoid, and the unit of heights if it has
  * one. */

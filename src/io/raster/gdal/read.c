@@ -15,15 +15,14 @@ typedef struct source {
     GDALDatasetH file;
     GDALRasterBandH band;
     const char *path;
+    const io_raster_options *options;
     int i, j, nx; /* the first sample and the length of a row that is read */
     bool direct;  /* samples are floats as they are stored, or exact as floats: read in place */
     bool integer; /* stored as integers: no-data is compared with the stored value */
     double scale, offset;
     bool has_nodata, has_mask;
-    double nodata;        /* as the file stores it */
-    const double *others; /* the caller's no-data */
-    size_t other_count;
-    double *row; /* a row as stored, unless direct */
+    double nodata; /* as the file stores it */
+    double *row;   /* a row as stored, unless direct */
     unsigned char *mask;
 } source;
 
@@ -49,32 +48,32 @@ static double height_unit(const char *name) {
 
 /* Pixel corners to pixel centres: a sample stands in the middle of its pixel, and GDAL gives corners for files of
  * either convention. */
-static void place(GDALDatasetH file, const char *path, const io_raster_options *options, io_raster *raster) {
+static void place(const source *s, io_raster *raster) {
     static const double none[6] = {0, 1, 0, 0, 0, 1};
     double g[6];
-    if (GDALGetGeoTransform(file, g) == CE_None && memcmp(g, none, sizeof g) != 0) {
+    if (GDALGetGeoTransform(s->file, g) == CE_None && memcmp(g, none, sizeof g) != 0) {
         const double map[3][4] = {{g[1], g[2], 0, g[0] + 0.5 * g[1] + 0.5 * g[2]},
                                   {g[4], g[5], 0, g[3] + 0.5 * g[4] + 0.5 * g[5]},
                                   {0, 0, 1, 0}};
         memcpy(raster->map, map, sizeof map);
         raster->georef.placed = true;
-    } else if (GDALGetGCPCount(file) > 0) {
-        gdal_warn(options,
+    } else if (GDALGetGCPCount(s->file) > 0) {
+        gdal_warn(&s->options->warn,
                   "%s: is placed by ground control points only, which are passed over; gdalwarp makes a map of it",
-                  path);
+                  s->path);
     }
-    OGRSpatialReferenceH crs = GDALGetSpatialRef(file);
+    OGRSpatialReferenceH crs = GDALGetSpatialRef(s->file);
     if (raster->georef.placed) gdal_describe_crs(crs, &raster->georef);
 }
 
-static void describe_heights(source *s, const io_raster_options *options, io_raster *raster) {
+static void describe_heights(source *s, io_raster *raster) {
     const char *unit = GDALGetRasterUnitType(s->band);
     if (unit != NULL && unit[0] != '\0') {
         const double metres = height_unit(unit);
         if (metres > 0)
             raster->georef.height_unit = metres;
-        else if (options->zscale == 0)
-            gdal_warn(options,
+        else if (s->options->zscale == 0)
+            gdal_warn(&s->options->warn,
                       "%s: the unit of heights, '%s', is unknown and read as the map's unit; --zscale gives another",
                       s->path, unit);
     }
@@ -93,8 +92,6 @@ static void describe_heights(source *s, const io_raster_options *options, io_ras
         raster->georef.has_nodata = true;
         raster->georef.nodata = s->nodata;
     }
-    s->others = options->nodata;
-    s->other_count = options->nodata_count;
     const int flags = GDALGetMaskFlags(s->band);
     s->has_mask = (flags & (GMF_ALL_VALID | GMF_NODATA)) == 0;
 }
@@ -111,44 +108,36 @@ static bool prepare(source *s, io_error *error) {
     return ((s->direct || s->row) && (!s->has_mask || s->mask)) || io_fail(error, "%s: out of memory", s->path);
 }
 
-static bool choose_band(source *s, const io_raster_options *options, io_error *error) {
+static bool choose_band(source *s, io_error *error) {
     const int bands = GDALGetRasterCount(s->file);
+    const unsigned wanted = s->options->band;
     if (bands == 0) {
         char **parts = GDALGetMetadata(s->file, "SUBDATASETS");
         const char *first = CSLFetchNameValue(parts, "SUBDATASET_1_NAME");
         return first ? io_fail(error, "%s: holds several rasters; name one of them, such as '%s'", s->path, first)
                      : io_fail(error, "%s: holds no raster", s->path);
     }
-    if (options->band > (unsigned)bands)
-        return io_fail(error, "%s: has %d band%s, not %u", s->path, bands, bands == 1 ? "" : "s", options->band);
-    if (options->band == 0 && bands > 1)
-        gdal_warn(options, "%s: has %d bands, and the first is read as heights; --band chooses another", s->path,
-                  bands);
-    s->band = GDALGetRasterBand(s->file, options->band > 0 ? (int)options->band : 1);
+    if (wanted > (unsigned)bands)
+        return io_fail(error, "%s: has %d band%s, not %u", s->path, bands, bands == 1 ? "" : "s", wanted);
+    if (wanted == 0 && bands > 1)
+        gdal_warn(&s->options->warn, "%s: has %d bands, and the first is read as heights; --band chooses another",
+                  s->path, bands);
+    s->band = GDALGetRasterBand(s->file, wanted > 0 ? (int)wanted : 1);
     return s->band != NULL || gdal_fail(error, s->path, "cannot read the band");
 }
 
-static bool take_window(source *s, const io_raster_options *options, io_raster *raster, io_error *error) {
-    if (!io_raster_check_window(options, s->path, raster->nx, raster->ny, error)) return false;
-    if (options->window.nx > 0) {
-        raster->nx = options->window.nx;
-        raster->ny = options->window.ny;
-        s->i = (int)options->window.i;
-        s->j = (int)options->window.j;
-        io_raster_shift(raster, options->window.i, options->window.j);
-    }
-    s->nx = (int)raster->nx;
-    return true;
-}
-
-static bool open_band(source *s, const io_raster_options *options, io_raster *raster, io_error *error) {
+static bool open_band(source *s, io_raster *raster, io_error *error) {
+    const io_raster_window *w = &s->options->window;
     s->file = gdal_open_name(s->path, GDAL_OF_RASTER, error);
-    if (s->file == NULL || !choose_band(s, options, error)) return false;
+    if (s->file == NULL || !choose_band(s, error)) return false;
     raster->nx = (size_t)GDALGetRasterXSize(s->file);
-    raster->ny = raster->rows = (size_t)GDALGetRasterYSize(s->file);
-    place(s->file, s->path, options, raster);
-    if (!take_window(s, options, raster, error)) return false;
-    describe_heights(s, options, raster);
+    raster->ny = (size_t)GDALGetRasterYSize(s->file);
+    place(s, raster);
+    if (!io_raster_cut(s->options, s->path, raster, error)) return false;
+    s->i = (int)w->i;
+    s->j = (int)w->j;
+    s->nx = (int)raster->nx;
+    describe_heights(s, raster);
     return prepare(s, error);
 }
 
@@ -166,17 +155,15 @@ static void limit_cache(const source *s, size_t block_rows) {
 /* Values that mean no data become NaN; value is the one that the file stores. */
 static bool is_no_data(const source *s, double value) {
     bool is = s->has_nodata && value == s->nodata;
-    for (size_t k = 0; k < s->other_count; k++) is |= value == s->others[k];
+    for (size_t k = 0; k < s->options->nodata_count; k++) is |= value == s->options->nodata[k];
     return is;
 }
 
-/* The same for floats: the file's value may have been rounded to float on its way into a header of text, or not. */
+/* The file's among floats, which may have been rounded to float on its way into a header of text, or not. raster.c drops the caller's. */
 static void drop_no_data(const source *s, float *z) {
-    for (size_t k = 0; k < s->other_count + s->has_nodata; k++) {
-        const float value = (float)(k < s->other_count ? s->others[k] : s->nodata);
-        for (int i = 0; i < s->nx; i++)
-            if (z[i] == value) z[i] = NAN;
-    }
+    const float value = s->has_nodata ? (float)s->nodata : NAN; /* which equals nothing */
+    for (int i = 0; i < s->nx; i++)
+        if (z[i] == value) z[i] = NAN;
 }
 
 static bool convert(const source *s, size_t row, float *z, io_error *error) {
@@ -215,7 +202,7 @@ static bool read_rows(const source *s, size_t first, size_t count, float *z, io_
 }
 
 /* Whole rows of blocks, some megabytes of them at a time. */
-static bool read_all(const source *s, const io_raster_options *o, io_raster *raster, io_error *error) {
+static bool read_all(const source *s, io_raster *raster, io_error *error) {
     int across = 0, down = 0;
     GDALGetBlockSize(s->band, &across, &down);
     const size_t nx = raster->nx, ny = raster->ny, block = down > 0 ? (size_t)down : 1, room = (size_t)1 << 22,
@@ -223,7 +210,7 @@ static bool read_all(const source *s, const io_raster_options *o, io_raster *ras
     limit_cache(s, block);
     for (size_t j = 0; j < ny; j += at_once) {
         gdal_leave(NULL); /* a callable of Python's may use GDAL too */
-        const bool on = io_raster_progress(o, s->path, (double)j / (double)ny, error);
+        const bool on = io_raster_progress(s->options, s->path, (double)j / (double)ny, error);
         gdal_enter();
         if (!on || !read_rows(s, j, ny - j < at_once ? ny - j : at_once, raster->memory + j * nx, error)) return false;
     }
@@ -232,22 +219,19 @@ static bool read_all(const source *s, const io_raster_options *o, io_raster *ras
 
 static bool make_room(const char *path, io_raster *raster, io_error *error) {
     const uint64_t most_samples = (uint64_t)1 << 31; /* a field numbers them by 31 bits */
-    io_raster room;
     if ((uint64_t)raster->nx * raster->ny > most_samples)
         return io_fail(error,
                        "%s: %zu x %zu samples are more than a field can hold; gdal_translate -srcwin cuts a part out",
                        path, raster->nx, raster->ny);
-    if (!gdal_program()->allocate(path, raster->nx, raster->ny, &room, error)) return false;
-    raster->z = raster->memory = room.memory;
-    return true;
+    return gdal_program()->allocate(path, raster, error);
 }
 
 bool gdal_raster(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     GDAL_CALL;
-    source s = {.path = path};
+    source s = {.path = path, .options = options};
     *raster = (io_raster){.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    bool good = open_band(&s, options, raster, error) && gdal_note_files(s.file, path, error);
-    if (!options->no_samples) good = good && make_room(path, raster, error) && read_all(&s, options, raster, error);
+    bool good = open_band(&s, raster, error) && gdal_note_files(s.file, path, error);
+    if (!options->no_samples) good = good && make_room(path, raster, error) && read_all(&s, raster, error);
     if (s.file) GDALClose(s.file);
     free(s.row);
     free(s.mask);

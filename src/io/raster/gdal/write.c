@@ -83,41 +83,32 @@ static char **limit_threads(char **options) {
                : options;
 }
 
-/* The program's, of which each of the user's takes the place of one; a compression that of all that belongs to it. BIGTIFF goes by the
- * size before compression, which is larger as a rule: 2 GB of 4 are enough for what is added then. */
-static char **make_options(const io_raster_product *p, char **own, const char *compression, const char *more) {
-    char text[300];
-    const bool other = CSLFetchNameValue(own, "COMPRESS") != NULL;
-    snprintf(text, sizeof text, "%s BIGTIFF=IF_SAFER NUM_THREADS=%u %s",
-             p->uncompressed ? "COMPRESS=NONE"
-             : other         ? ""
-                             : compression,
-             choose_threads(p), more);
-    char **options = CSLMerge(CSLTokenizeString(text), own);
-    CSLDestroy(own);
-    return limit_threads(options);
-}
-
-static char **tiff_options(const io_raster_product *p) {
+/* The program's, of which each of the user's takes the place of one; a compression that of all that belongs to it. The GeoTIFF that a COG is
+ * copied from has none of the user's. BIGTIFF goes by the size before compression, which is larger as a rule: 2 GB of 4 are enough for what
+ * is added then. */
+static char **make_options(const io_raster_product *p, bool cog) {
     /* By the kind of cell. Flags and small counts come in long runs, which PackBits takes in next to no time. Floats get hardly
      * smaller by higher levels of Deflate, but take three times as long. */
     static const char *const usual[] = {"COMPRESS=PACKBITS", "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=2",
                                         "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=3",
                                         "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=2"};
-    char more[200], **own = p->cog ? NULL : list_of(p->creation, p->creation_count);
-    const char *compression = usual[p->cell];
-    if (CSLFetchNameValue(own, "ZLEVEL") || CSLFetchNameValue(own, "PREDICTOR"))
-        compression = p->cell == IO_CELL_UINT8 ? "COMPRESS=DEFLATE ZLEVEL=1" : compression;
-    snprintf(more, sizeof more, "TILED=YES BLOCKXSIZE=%zu BLOCKYSIZE=%zu INTERLEAVE=BAND PHOTOMETRIC=MINISBLACK",
-             io_raster_tile_side(p->nx), io_raster_tile_side(p->ny));
-    return make_options(p, own, compression, more);
-}
-
-static char **cog_options(const io_raster_product *p) {
-    /* Flags and counts have no mean. GDAL's cubic one leaves the range of the values. */
-    const bool counts = p->cell == IO_CELL_UINT8 || p->cell == IO_CELL_UINT16;
-    return make_options(p, list_of(p->creation, p->creation_count), "COMPRESS=DEFLATE LEVEL=1 PREDICTOR=YES",
-                        counts ? "OVERVIEW_RESAMPLING=NEAREST" : "OVERVIEW_RESAMPLING=AVERAGE");
+    char **own = p->cog == cog ? list_of(p->creation, p->creation_count) : NULL;
+    const char *compression = cog ? "COMPRESS=DEFLATE LEVEL=1 PREDICTOR=YES" : usual[p->cell];
+    char text[300], more[200];
+    if (!cog && p->cell == IO_CELL_UINT8 && (CSLFetchNameValue(own, "ZLEVEL") || CSLFetchNameValue(own, "PREDICTOR")))
+        compression = "COMPRESS=DEFLATE ZLEVEL=1";
+    if (CSLFetchNameValue(own, "COMPRESS")) compression = "";
+    if (p->uncompressed) compression = "COMPRESS=NONE";
+    if (cog) /* Flags and counts have no mean. GDAL's cubic one leaves the range of the values. */
+        snprintf(more, sizeof more, "OVERVIEW_RESAMPLING=%s",
+                 p->cell == IO_CELL_UINT8 || p->cell == IO_CELL_UINT16 ? "NEAREST" : "AVERAGE");
+    else
+        snprintf(more, sizeof more, "TILED=YES BLOCKXSIZE=%zu BLOCKYSIZE=%zu INTERLEAVE=BAND PHOTOMETRIC=MINISBLACK",
+                 io_raster_tile_side(p->nx), io_raster_tile_side(p->ny));
+    snprintf(text, sizeof text, "%s BIGTIFF=IF_SAFER NUM_THREADS=%u %s", compression, choose_threads(p), more);
+    char **options = CSLMerge(CSLTokenizeString(text), own);
+    CSLDestroy(own);
+    return limit_threads(options);
 }
 
 /* ---- the file ---------------------------------------------------------------------------------------------------------------- */
@@ -126,10 +117,7 @@ static bool fail_write(const io_raster_writer *w, io_error *error) {
     return gdal_fail(error, w->output.name, "cannot write");
 }
 
-static GDALDataType type_of(io_cell cell) {
-    static const GDALDataType types[] = {GDT_Byte, GDT_UInt16, GDT_Float32, GDT_Int16};
-    return types[cell];
-}
+static const GDALDataType types[] = {GDT_Byte, GDT_UInt16, GDT_Float32, GDT_Int16}; /* by the kind of cell */
 
 static bool describe(GDALDatasetH file, const io_raster_product *p) {
     const double(*m)[4] = p->map;
@@ -142,7 +130,7 @@ static bool describe(GDALDatasetH file, const io_raster_product *p) {
         OGRSpatialReferenceH crs = OSRNewSpatialReference(p->georef->crs);
         if (crs != NULL) OSRSetAxisMappingStrategy(crs, OAMS_TRADITIONAL_GIS_ORDER);
         const bool good = crs != NULL && GDALSetSpatialRef(file, crs) == CE_None;
-        if (crs != NULL) OSRDestroySpatialReference(crs);
+        OSRDestroySpatialReference(crs);
         if (!good) return false;
     }
     char **notes = NULL;
@@ -163,8 +151,8 @@ bool gdal_create(io_raster_writer *w, const char *path, io_error *error) {
     GDAL_CALL;
     const io_raster_product *p = &w->product;
     CPLErrorReset();
-    char **options = tiff_options(p);
-    w->state = GDALCreate(driver_of(false), path, (int)p->nx, (int)p->ny, (int)p->bands, type_of(p->cell), options);
+    char **options = make_options(p, false);
+    w->state = GDALCreate(driver_of(false), path, (int)p->nx, (int)p->ny, (int)p->bands, types[p->cell], options);
     CSLDestroy(options);
     if (w->state != NULL && describe(w->state, p)) return true;
     fail_write(w, error);
@@ -179,7 +167,7 @@ bool gdal_write(io_raster_writer *w, size_t band, const io_raster_window *at, co
     /* It takes a pointer that is not const for reading and writing alike. */
     const CPLErr status =
         GDALRasterIO(to, GF_Write, (int)at->i, (int)at->j, (int)at->nx, (int)at->ny, (void *)(uintptr_t)cells,
-                     (int)at->nx, (int)at->ny, type_of(w->product.cell), 0, 0);
+                     (int)at->nx, (int)at->ny, types[w->product.cell], 0, 0);
     /* Whole tiles go to the threads that compress, while the next ones are computed. */
     const size_t end = at->j + at->ny;
     const bool whole = end % io_raster_tile_side(w->product.ny) == 0 || end == w->product.ny;
@@ -197,7 +185,7 @@ static void CPL_STDCALL keep_error(CPLErr class, CPLErrorNum number, const char 
 }
 
 static bool copy_to_cog(const io_raster_writer *w, const char *path, io_error *error) {
-    char first[ERROR_TEXT] = "", **options = cog_options(&w->product);
+    char first[ERROR_TEXT] = "", **options = make_options(&w->product, true);
     CPLErrorReset();
     CPLPushErrorHandlerEx(keep_error, first);
     GDALDatasetH copy = GDALCreateCopy(driver_of(true), path, w->state, FALSE, options, NULL, NULL);
