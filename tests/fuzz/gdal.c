@@ -23,9 +23,7 @@ static bool allocate_few(const char *path, io_raster *raster, io_error *error) {
 const io_gdal *io_gdal_load(io_error *error) { return &cellwalk_gdal_17; }
 
 bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
-    if (gdal_raster(path, options, raster, error)) return true;
-    io_raster_free(raster);
-    return false;
+    return gdal_raster(path, options, raster, error);
 }
 
 static void leave_streams(void) {}

@@ -138,12 +138,12 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
 }
 
 bool io_raster_read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
-    *raster = (io_raster){0};
-    if (!(io_name_ends(path, ".npy") ? io_raster_read_npy : io_raster_read_gdal)(path, options, raster, error))
-        return false;
-    if (finish(path, options, raster, error)) return true;
-    io_raster_free(raster);
-    return false;
+    *raster = (io_raster){.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const bool good =
+        (io_name_ends(path, ".npy") ? io_raster_read_npy : io_raster_read_gdal)(path, options, raster, error) &&
+        finish(path, options, raster, error);
+    if (!good) io_raster_free(raster);
+    return good;
 }
 
 void io_raster_free(io_raster *raster) {

@@ -55,8 +55,8 @@ typedef struct io_gdal_host {
 /* Before the first raster is read or written, by the program; host must stay. Without it, as in Python, GDAL keeps its settings. */
 void io_raster_host(const io_gdal_host *host);
 
-/* The readers. On failure the raster needs no freeing. They leave to the caller: no-data by the options, cell size and unit of
- * heights. */
+/* The readers. The raster is empty, with the identity for its map. They leave to the caller: no-data by the options, cell size and unit
+ * of heights, and freeing the raster on failure. */
 bool io_raster_read_npy(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 

@@ -73,7 +73,5 @@ bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_
         return io_fail(error,
                        "%s: only .npy is read without GDAL; GeoTIFF, ASCII grids and all other rasters need it: %s",
                        path, reason.text);
-    if (gdal->raster(path, options, raster, error)) return true;
-    io_raster_free(raster);
-    return false;
+    return gdal->raster(path, options, raster, error);
 }

@@ -60,9 +60,8 @@ static bool check(const io_npy *npy, io_error *error) {
 }
 
 static bool read_part(io_npy *npy, const io_raster_options *o, io_raster *raster, io_error *error) {
-    *raster = (io_raster){.nx = (size_t)npy->header.shape[1],
-                          .ny = (size_t)npy->header.shape[0],
-                          .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    raster->nx = (size_t)npy->header.shape[1];
+    raster->ny = (size_t)npy->header.shape[0];
     return io_raster_cut(o, npy->path, raster, error) &&
            (o->no_samples || (io_raster_allocate(npy->path, raster, error) && read_samples(npy, o, raster, error)));
 }
@@ -73,6 +72,5 @@ bool io_raster_read_npy(const char *path, const io_raster_options *options, io_r
     if (!io_npy_open(&npy, path, error)) return false;
     const bool good = check(&npy, error) && read_part(&npy, options, raster, error);
     io_npy_close(&npy);
-    if (!good) io_raster_free(raster);
     return good;
 }

@@ -24,8 +24,7 @@ typedef struct io_gdal_program {
 /* Before any other. program must stay. */
 void gdal_start(const io_gdal_program *program);
 
-/* io_raster_read_gdal, io_points_read and io_areas_read of files that GDAL reads. Those that a raster is made of are noted; on failure it
- * must be freed, too. */
+/* io_raster_read_gdal, io_points_read and io_areas_read of files that GDAL reads. Those that a raster is made of are noted. */
 bool gdal_raster(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 bool gdal_points(const char *path, const io_points_options *options, io_points *points, io_error *error);
 bool gdal_areas(const char *path, const io_points_options *options, const io_mask *mask, io_error *error);

@@ -229,7 +229,6 @@ static bool make_room(const char *path, io_raster *raster, io_error *error) {
 bool gdal_raster(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     GDAL_CALL;
     source s = {.path = path, .options = options};
-    *raster = (io_raster){.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     bool good = open_band(&s, raster, error) && gdal_note_files(s.file, path, error);
     if (!options->no_samples) good = good && make_room(path, raster, error) && read_all(&s, raster, error);
     if (s.file) GDALClose(s.file);
