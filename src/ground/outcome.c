@@ -27,9 +27,10 @@ void outcome_end(outcome *o) {
 static const float *read_cells(const io_raster_product *p, const void *cells, size_t n, float *values) {
     const uint8_t *bytes = cells;
     const uint16_t *words = cells;
+    const int none = (int)p->nodata;
     if (p->cell == IO_CELL_FLOAT32) return cells;
-    for (size_t k = 0; k < n && p->cell == IO_CELL_UINT8; k++) values[k] = bytes[k] == p->nodata ? NAN : bytes[k];
-    for (size_t k = 0; k < n && p->cell != IO_CELL_UINT8; k++) values[k] = words[k] == p->nodata ? NAN : words[k];
+    for (size_t k = 0; k < n && p->cell == IO_CELL_UINT8; k++) values[k] = bytes[k] == none ? NAN : bytes[k];
+    for (size_t k = 0; k < n && p->cell != IO_CELL_UINT8; k++) values[k] = words[k] == none ? NAN : words[k];
     return values;
 }
 

@@ -4,7 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-static inline float higher(float z, float h) { return z > h && z < INFINITY ? z : h; }
+static inline float higher(float z, float h) {
+    const float height = z < INFINITY ? z : h;
+    return height > h ? height : h;
+}
 
 /* Samples of a node's closed cells: including those on its far borders. columns: the row of nodes, sample by sample. */
 static void bound_row(const terrain *t, size_t y, float *columns, float *high, size_t across) {

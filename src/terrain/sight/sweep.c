@@ -48,7 +48,9 @@ static void look_around(sweep_part *p) {
 
 /* The sample at or behind a bin's left border. */
 static long bin_begin(const sweep_part *p, double r, size_t b) {
-    return sweep_clipped(p, ceil(p->aside + r * (p->from + (double)b * p->width)));
+    const double at = p->aside + r * (p->from + (double)b * p->width);
+    const long before = sweep_clipped(p, at); /* ceil is a call into the library */
+    return before + ((double)before < at && before < p->length);
 }
 
 /* Samples of a row about which nothing is open. */
@@ -255,7 +257,8 @@ static double highest(const sweep_part *p, const float *z, const sweep_lowering 
     /* Between two places the lowering is less than at the lower one by at most that. */
     const double a = (double)from - p->aside, b = (double)until - p->aside;
     const double fall_a = q->one + a * (q->two + a * q->three), fall_b = q->one + b * (q->two + b * q->three);
-    const double fall = fmin(fall_a, fall_b) - 0.25 * fmax(q->three, 0) * (b - a) * (b - a), eye = p->sight->eye[2];
+    const double fall = -sweep_larger(-fall_a, -fall_b) - 0.25 * sweep_larger(q->three, 0) * (b - a) * (b - a),
+                 eye = p->sight->eye[2];
     return (double)high - eye - fall + 0x1p-46 * (fabs((double)high) + fabs(eye) + fabs(fall));
 }
 

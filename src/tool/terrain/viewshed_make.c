@@ -186,18 +186,24 @@ static bool make_room(viewshed_command *c, io_error *error) {
 static size_t most_seen(const viewshed_command *c) { return c->bands ? 1 : c->observers.count; }
 
 /* Cells of a row, whose samples are z, from those of the terrain number first on. */
-static void fill_row(const viewshed_command *c, size_t first, const float *z, size_t n, void *cells) {
+static void fill_row(const viewshed_command *c, size_t first, const float *restrict z, size_t n, void *restrict cells) {
     float *numbers = cells;
     uint8_t *bytes = cells;
     uint16_t *words = cells;
+    const uint16_t *seen = c->seen ? c->seen + first : NULL;
+    const bool small = most_seen(c) <= COUNT_SMALL;
     if (c->numbers)
         memcpy(cells, c->numbers + first, n * sizeof *numbers);
     else if (c->sums)
         for (size_t k = 0; k < n; k++) numbers[k] = isfinite(z[k]) ? (float)c->sums[first + k] : NAN;
-    else if (most_seen(c) <= COUNT_SMALL)
-        for (size_t k = 0; k < n; k++) bytes[k] = isfinite(z[k]) ? (uint8_t)c->seen[first + k] : 255;
     else
-        for (size_t k = 0; k < n; k++) words[k] = isfinite(z[k]) ? c->seen[first + k] : 65535;
+        for (size_t k = 0; k < n; k++) {
+            const uint16_t count = seen[k]; /* read in any case, for several samples at once */
+            if (small)
+                bytes[k] = isfinite(z[k]) ? (uint8_t)count : 255;
+            else
+                words[k] = isfinite(z[k]) ? count : 65535;
+        }
 }
 
 /* The view of a band's observer is found when the band is begun. */
