@@ -12,8 +12,6 @@
 #include <float.h>
 #include <stdatomic.h>
 
-static size_t blocks(size_t n) { return (n + 3) / 4; }
-
 /* Nodes x to x_last, y to y_last of a level, all in. */
 typedef struct nodes {
     size_t x, y, x_last, y_last;
@@ -34,7 +32,7 @@ typedef struct pyramid_job {
 static size_t across(const nodes *n) { return n->x_last - n->x + 1; }
 static size_t count(const nodes *n) { return across(n) * (n->y_last - n->y + 1); }
 
-static size_t tiles_in(const cw_field *f) { return cw_pyramid_across(f, TILE_LEVEL) * cw_pyramid_down(f, TILE_LEVEL); }
+static size_t nodes_in(const cw_field *f, int level) { return cw_pyramid_across(f, level) * cw_pyramid_down(f, level); }
 
 /* ---- samples ----------------------------------------------------------------------------------------------------- */
 
@@ -148,8 +146,7 @@ static nodes ahead_of(const pyramid_job *w, int level) {
 static float steepest(const cw_field *f, const struct cw_pyramid *p) {
     const int top = p->levels - 1 > TILE_LEVEL ? p->levels - 1 : TILE_LEVEL;
     double most = 0;
-    for (size_t k = 0; k < cw_pyramid_across(f, top) * cw_pyramid_down(f, top); k++)
-        most = fmax(p->sum[top][k].steepest, most);
+    for (size_t k = 0; k < nodes_in(f, top); k++) most = fmax(p->sum[top][k].steepest, most);
     return (float)most;
 }
 
@@ -177,7 +174,7 @@ static void total(cw_field *f, struct cw_pyramid *p) {
     f->low = low + 0.0f; /* which zero is lowest would depend on the order of samples */
     f->high = p->high = high + 0.0f;
     f->holes = 0;
-    for (size_t k = 0; k < tiles_in(f); k++) f->holes += p->holes[k];
+    for (size_t k = 0; k < nodes_in(f, TILE_LEVEL); k++) f->holes += p->holes[k];
     set_reach(f);
 }
 
@@ -201,47 +198,34 @@ static void do_upper(pyramid_job *w, cw_pool *pool) {
     total(w->f, p);
 }
 
-/* Where everything lies in one piece of memory. */
-static bool lay_out(struct cw_pyramid *p, const cw_field *f) {
-    size_t bricks = 0, aheads = 0, first_brick[PYRAMID_LEVELS_MAX], first_ahead[PYRAMID_LEVELS_MAX];
-    size_t x = blocks(f->nx - 1), y = blocks(f->ny - 1);
-    float side = 4;
+/* Sets where everything lies in one piece of memory that begins at base; returns its bytes. */
+static size_t lay_out(struct cw_pyramid *p, const cw_field *f, uintptr_t base) {
+    uintptr_t at = base;
+    cw_pyramid_level *l;
+    p->levels = 0;
     do {
-        cw_pyramid_level *l = &p->level[p->levels];
-        x = blocks(x);
-        y = blocks(y);
-        *l = (cw_pyramid_level){.across = (int32_t)x, .down = (int32_t)y, .side = side};
-        first_brick[p->levels] = bricks;
-        first_ahead[p->levels++] = aheads;
-        bricks += x * y;
-        aheads += (4 * x + 1) * (4 * y + 1);
-        side *= 4;
-    } while (x > 1 || y > 1);
-
-    size_t slabs = 0, sums = 0;
-    for (int l = 0; l < p->levels; l++) {
-        p->first[l + 1] = (int32_t)slabs;
-        slabs += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);
+        l = &p->level[p->levels++];
+        l->bricks = (float *)at;
+        l->across = (int32_t)cw_pyramid_across(f, p->levels); /* a brick is a node of the next level */
+        l->down = (int32_t)cw_pyramid_down(f, p->levels);
+        l->side = (float)((size_t)1 << 2 * p->levels);
+        at += nodes_in(f, p->levels) * BRICK_FLOATS * sizeof *l->bricks;
+    } while (l->across > 1 || l->down > 1);
+    p->slab = (cw_pyramid_slab *)at;
+    for (int k = 0; k < p->levels; k++) {
+        p->first[k + 1] = (int32_t)((at - (uintptr_t)p->slab) / sizeof *p->slab);
+        at += nodes_in(f, k) * sizeof *p->slab;
     }
-    for (int l = TILE_LEVEL; l < p->levels || l == TILE_LEVEL; l++)
-        sums += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);
-    p->bytes = bricks * BRICK_FLOATS * sizeof(float) + slabs * sizeof(cw_pyramid_slab) + sums * sizeof(cw_pyramid_sum) +
-               aheads * sizeof(float) + tiles_in(f) * sizeof *p->holes;
-    p->memory = cw_memory_allocate(&f->memory, p->bytes);
-    if (p->memory == NULL) return false;
-    p->slab = (cw_pyramid_slab *)((float *)p->memory + bricks * BRICK_FLOATS);
-    cw_pyramid_sum *sum = (cw_pyramid_sum *)(p->slab + slabs);
-    float *ahead = (float *)(sum + sums);
-    p->holes = (uint32_t *)(ahead + aheads);
-    for (int l = 0; l < p->levels; l++) {
-        p->level[l].bricks = (float *)p->memory + first_brick[l] * BRICK_FLOATS;
-        p->level[l].ahead = ahead + first_ahead[l];
+    for (int k = TILE_LEVEL; k < p->levels || k == TILE_LEVEL; k++) {
+        p->sum[k] = (cw_pyramid_sum *)at;
+        at += nodes_in(f, k) * sizeof *p->sum[k];
     }
-    for (int l = TILE_LEVEL; l < p->levels || l == TILE_LEVEL; l++) {
-        p->sum[l] = sum;
-        sum += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);
+    for (l = p->level; l < p->level + p->levels; l++) {
+        l->ahead = (float *)at;
+        at += (4 * (size_t)l->across + 1) * (4 * (size_t)l->down + 1) * sizeof *l->ahead;
     }
-    return true;
+    p->holes = (uint32_t *)at;
+    return at + nodes_in(f, TILE_LEVEL) * sizeof *p->holes - base;
 }
 
 /* Bricks from the tiles' level on belong to several tiles; those of lower levels are theirs alone. */
@@ -265,10 +249,15 @@ static pyramid_job tile_job(cw_field *f, const cw_rectangle *at, struct cw_pyram
 
 cw_status cw_pyramid_build(cw_field *f, const cw_run *how) {
     struct cw_pyramid *p = cw_memory_clear(&f->memory, sizeof *p);
-    if (p == NULL || !lay_out(p, f)) {
+    if (p != NULL) {
+        p->bytes = lay_out(p, f, 0);
+        p->memory = cw_memory_allocate(&f->memory, p->bytes);
+    }
+    if (p == NULL || p->memory == NULL) {
         cw_pyramid_destroy(f, p);
         return cw_fail_plainly(CW_ERROR_MEMORY);
     }
+    lay_out(p, f, (uintptr_t)p->memory);
     clear_upper(p);
     pyramid_job w = tile_job(f, &(cw_rectangle){0, 0, f->nx, f->ny}, p);
     cw_status status = cw_run_work(how, count(&w.tiles), TILES_AT_ONCE, TILES_AT_ONCE, do_each, &w);
