@@ -99,7 +99,7 @@ class Field(Rays, Light, Sight):
     threads      how many threads queries use; 0 (default): one for each CPU.
     copy         False (default): contiguous float32 is used where it lies, and must not change but by `update`. All else is
                  converted once. True: samples are copied.
-    progress     a callable that takes the share done, or a tqdm bar.
+    progress     a callable that takes the share done, or a tqdm bar. While a file is read it must not wait for threads that read.
 
     Raises ValueError or TypeError naming the argument, MemoryError, KeyboardInterrupt.
 
