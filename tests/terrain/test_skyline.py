@@ -61,7 +61,7 @@ def test_rows_of_edges(lands):
     edges.append([-1.1, 0.5, 1.1, 0.5])  # is cut into more pieces than there are
     rows += [[ADD, *edges[-1], 0, -1.11], *rows[-len(places):], [NEW, 0, 0, 0, 0, 0, 0]]
     kinds, found, edges = np.array(rows)[:, 0], lands.table("skyline", rows), np.array(edges)
-    assert found[-1, 0] < 400, "pieces that are gone are not used again"
+    assert found[-1, 0] < 250, "pieces that are gone are not used again"
     assert (found[kinds == ADD, 0] == 1).all(), "a piece behind is lost"
     looks = found[kinds == LOOK].reshape(41, len(places), 2)
     for row, look in enumerate(looks):
