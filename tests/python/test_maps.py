@@ -280,15 +280,14 @@ def test_small_cells_far_from_the_origin(cell, turned):
     z[3, 3] = np.nan
     here, far = (cw.Field(z, Affine.translation(x, y) * Affine.rotation(20 if turned else 0) * Affine.scale(cell, -cell), MAPS["utm"])
                  for x, y in ((0, 0), (633333.3, 5.2e6 + 1 / 3)))
-    for row in range(12):
-        for column in range(12):
-            answers = []
-            for field in (here, far):
-                x, y = Affine(*field.transform) * (column + 0.5, row + 0.5)
-                if np.isfinite(z[row, column]):  # a corner of the raster, or a sample beside the hole
-                    field.viewshed(x, y, 1)
-                answers.append(field.viewshed(x, y, observer_elevation=400 * cell, needed=True, curvature=0))
-            assert np.allclose(*answers, rtol=1e-6, atol=1e-6 * cell, equal_nan=True), (row, column)
+    for row, column in np.ndindex(12, 12):
+        answers = []
+        for field in (here, far):
+            x, y = Affine(*field.transform) * (column + 0.5, row + 0.5)
+            if np.isfinite(z[row, column]):  # a corner of the raster, or a sample beside the hole
+                field.viewshed(x, y, 1)
+            answers.append(field.viewshed(x, y, observer_elevation=400 * cell, needed=True, curvature=0))
+        assert np.allclose(*answers, rtol=1e-6, atol=1e-6 * cell, equal_nan=True), (row, column)
 
 
 # ---- sums -------------------------------------------------------------------------------------------------------------------

@@ -51,7 +51,8 @@ static void look_along(const terrain *t, const double *d, double *to) {
 }
 /* 0: a new skyline; says of how many pieces the one before was. 1: an edge from (u, w) to (u, w) is added, from the last piece on that begins
  * before a place, sought from the last such piece on or anew; says whether who has found a piece behind the edge finds on from it. 2: looks in
- * a direction, from the last look on or anew. 3: the least between two directions. */
+ * a direction, from the last look on or anew. 3: the least between two directions. 4: looks closely in a direction; infinite where that is
+ * not enough. */
 static void look_at_skyline(const terrain *t, const double *d, double *to) {
     static skyline line;
     static uint32_t at, before;
@@ -70,8 +71,14 @@ static void look_at_skyline(const terrain *t, const double *d, double *to) {
     } else if (d[0] == 2) {
         at = d[2] != 0 ? at : SKYLINE_FIRST;
         skyline_at(&line, &at, d[1], to, to + 1);
-    } else {
+    } else if (d[0] == 3) {
         to[0] = cw_skyline_least(&line, SKYLINE_FIRST, d[1], d[2]);
+    } else {
+        double doubt;
+        at = skyline_find(&line, SKYLINE_FIRST, d[1] - SKYLINE_BLUR);
+        if (!skyline_at_closely(&line, at, d[1], to, to + 1, &doubt)) doubt = INFINITY;
+        to[0] = doubt < INFINITY ? to[0] - doubt : -INFINITY;
+        to[1] = doubt < INFINITY ? to[1] + doubt : INFINITY;
     }
 }
 

@@ -47,24 +47,22 @@ def look(full, coarse, factor, above, below):
     lost = made = both = squares = 0
     unit, most, least = PARTS * factor, None, None
     limits = Fraction(above) * 2**149 * unit, -Fraction(below) * 2**149 * unit
-    for j in range(len(full) - 1):
-        for i in range(len(full[0]) - 1):
-            for lower in range(2):
-                corners = [(i, j), (i + 1 - lower, j + lower), (i + 1, j + 1)]
-                inside = [tuple(sum(w * c[a] for w, c in zip(weights, corners)) for a in range(2))
-                          for weights in ((62, 1, 1), (1, 62, 1), (1, 1, 62), (20, 21, 23))]
-                middle = triangle_at(coarse, *inside[3], unit)
-                here, there = (plane(z, *inside[3], parts, t) is not None for z, parts, t in (
-                    (full, PARTS, (i, j, lower)), (coarse, unit, middle)))
-                lost, made, both = lost + (here and not there), made + (there and not here), both + (here and there)
-                if not (here and there):
-                    continue
-                places = [(x, y, triangle_at(coarse, x, y, unit)) for x, y in inside] + [(PARTS * x, PARTS * y, middle) for x, y in corners]
-                d = [plane(coarse, x, y, unit, t) - factor * plane(full, x, y, PARTS, (i, j, lower)) for x, y, t in places]
-                assert max(d) <= limits[0] and min(d) >= limits[1]
-                a, b, c = d[4:]
-                most, least = max(d[4:] + [a if most is None else most]), min(d[4:] + [a if least is None else least])
-                squares += a * a + b * b + c * c + a * b + b * c + a * c
+    for j, i, lower in np.ndindex(len(full) - 1, len(full[0]) - 1, 2):
+        corners = [(i, j), (i + 1 - lower, j + lower), (i + 1, j + 1)]
+        inside = [tuple(sum(w * c[a] for w, c in zip(weights, corners)) for a in range(2))
+                  for weights in ((62, 1, 1), (1, 62, 1), (1, 1, 62), (20, 21, 23))]
+        middle = triangle_at(coarse, *inside[3], unit)
+        here, there = (plane(z, *inside[3], parts, t) is not None for z, parts, t in (
+            (full, PARTS, (i, j, lower)), (coarse, unit, middle)))
+        lost, made, both = lost + (here and not there), made + (there and not here), both + (here and there)
+        if not (here and there):
+            continue
+        places = [(x, y, triangle_at(coarse, x, y, unit)) for x, y in inside] + [(PARTS * x, PARTS * y, middle) for x, y in corners]
+        d = [plane(coarse, x, y, unit, t) - factor * plane(full, x, y, PARTS, (i, j, lower)) for x, y, t in places]
+        assert max(d) <= limits[0] and min(d) >= limits[1]
+        a, b, c = d[4:]
+        most, least = max(d[4:] + [a if most is None else most]), min(d[4:] + [a if least is None else least])
+        squares += a * a + b * b + c * c + a * b + b * c + a * c
     return lost, made, both, *(float(Fraction(n or 0, 2**149 * unit)) for n in (most, least)), Fraction(squares, (2**149 * unit)**2)
 
 

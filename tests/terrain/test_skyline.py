@@ -5,17 +5,17 @@ import numpy as np
 from program import taken
 
 BLUR = 2.0**-19
-NEW, ADD, LOOK, LEAST = range(4)  # what library_terrain.h does
+NEW, ADD, LOOK, LEAST, CLOSELY = range(5)  # what library_terrain.h does
 
 
-def check(edges, directions, low, high):
+def check(edges, directions, low, high, error=1e-9):
     """Edges from (u, w) to (u, w). An edge of no width is all between its heights. Returns the lowest that the skyline can be."""
     edges = np.where(edges[:, :1] > edges[:, 2:3], edges[:, [2, 3, 0, 1]], edges)
-    (a, wa, b, wb), u = edges.T[..., None], np.asarray(directions)
+    (a, wa, b, wb), u = edges.T[..., None].astype(np.longdouble), np.asarray(directions)
     with np.errstate(divide="ignore", invalid="ignore"):
         w = np.where(a == b, [np.minimum(wa, wb), np.maximum(wa, wb)], wa + (wb - wa) * ((u - a) / (b - a)))
     lowest, highest = np.where((u >= a) & (u <= b), w, -np.inf).max(1)
-    assert (low <= lowest + 1e-9).all() and (high >= highest - 1e-9).all()
+    assert (low <= lowest + error).all() and (high >= highest - error).all()
     # Elsewhere than next to an end the two are one.
     near = (u > a - 4 * BLUR) & (u < b + 4 * BLUR)
     near &= (b - a < BLUR) | (np.abs(u - a) < 4 * BLUR) | (np.abs(u - b) < 4 * BLUR)
@@ -41,10 +41,20 @@ def test_edges_one_by_one(lands):
         far, ends = far[far <= size], edges[:, ::2][np.abs(edges[:, ::2]) < 1]
         parts = [(k, min(k + r.integers(2, 9), len(far))) for k in range(len(far) - 1)]
         rows += [[LOOK, u, k > 0, 0, 0, 0, 0] for k, u in enumerate(far)] + [[LOOK, u, 0, 0, 0, 0, 0] for u in ends]
-        rows += [[LEAST, far[k], far[last - 1], 0, 0, 0, 0] for k, last in parts]
+        rows += [[CLOSELY, u, 0, 0, 0, 0, 0] for u in far] + [[LEAST, far[k], far[last - 1], 0, 0, 0, 0] for k, last in parts]
         found = lands.table("skyline", rows)[1 + len(edges):]
-        lowest = check(edges, [*far, *ends], *found[:-len(parts)].T)
-        assert all(least <= lowest[k:last].min() + 1e-9 for (k, last), least in zip(parts, found[-len(parts):, 0]))
+        looks, closely, least = np.split(found, [len(far) + len(ends), -len(parts)])
+        lowest = check(edges, [*far, *ends], *looks.T)
+        check(edges, far, *closely.T, error=0)
+        assert all(w <= lowest[k:last].min() + 1e-9 for (k, last), w in zip(parts, least[:, 0]))
+
+
+def test_a_wall_of_single_places(lands):
+    """Before a step down. Between those places the truth is the step."""
+    edges = np.array([[-1, 0.9, 0, 0.9], [0, 0, 1, 0], *([k * BLUR / 8, 0, k * BLUR / 8, 1] for k in range(-40, 41))])
+    places = BLUR * np.arange(-4.03, 4, 0.25)
+    rows = [[NEW, *[0] * 6], *([ADD, *edge, 0, -np.inf] for edge in edges), *([LOOK, u, *[0] * 5] for u in places)]
+    check(edges, places, *lands.table("skyline", rows)[-len(places):].T)
 
 
 def test_rows_of_edges(lands):
