@@ -6,21 +6,9 @@ import struct
 import numpy as np
 import pytest
 from words import Files
-from program import entries, read, write
+from program import entries, header, npy, read, write
 
 # ---- .npy -----------------------------------------------------------------------------------------------------------------
-
-
-def npy(text, data=b"", version=1, name="a.npy"):
-    """A file with this header; its size without the data."""
-    start = b"\x93NUMPY" + bytes([version, 0]) + struct.pack("<H" if version == 1 else "<I", len(text)) + text.encode()
-    write(name, start + data)
-    return len(start)
-
-
-def header(descr="'<f4'", order="False", shape="(2, 3)"):
-    return f"{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}"
-
 
 BYTES = header("'|u1'", shape="(200,)")
 

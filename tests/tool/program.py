@@ -224,11 +224,15 @@ def wall(name, *holes, height=40):
     np.save(name, z)
 
 
-def npy(name, type, shape, data=b""):
-    """A .npy file whose header need not fit the data."""
-    header = f"{{'descr': '{type}', 'fortran_order': False, 'shape': {shape}, }}".encode()
-    header += b" " * (-(len(header) + 11) % 64) + b"\n"
-    write(name, b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + bytes(data))
+def header(descr="'<f4'", order="False", shape="(2, 3)"):
+    return f"{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}"
+
+
+def npy(text, data=b"", version=1, name="a.npy"):
+    """A file with this header, which need not fit the data; its size without them."""
+    start = b"\x93NUMPY" + bytes([version, 0]) + struct.pack("<H" if version == 1 else "<I", len(text)) + text.encode()
+    write(name, start + data)
+    return len(start)
 
 
 def rays(name, origins, direction=(0, 0, -1), tmin=0, tmax=1e9, dtype="<f4"):

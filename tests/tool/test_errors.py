@@ -6,7 +6,7 @@ import shlex
 
 import numpy as np
 import pytest
-from program import SCENE, commands, info, library, needs_room, npy, rays, read, refused, run, wall, write
+from program import SCENE, commands, header, info, library, needs_room, npy, rays, read, refused, run, wall, write
 
 # The status, a part of the message, the words, and what is in bad.csv; ~ is a new line. Of {a;b} each is tried.
 LINES = r"""
@@ -173,7 +173,7 @@ def inputs(folder):
     """Level land with a wall of 40 m and a hole."""
     wall("wall.npy", (45, 3))
     rays("rays.npy", (2.25, 1.5, 1))
-    npy("huge.npy", "<f4", "(1000000000, 8)", bytes(64))
+    npy(header(shape="(1000000000, 8)"), bytes(64), name="huge.npy")
     for name, shape in ("seven", (2, 7)), ("flat", 16), ("row", (1, 16)), ("cube", (2, 2, 4)), ("f8", (2, 8)):
         np.save(name, np.zeros(shape, name if name == "f8" else "f4"))
     for name, text in {"s.pbrt": "WorldBegin", "scene.pbrt": SCENE, "suns.csv": "azimuth,altitude\n1,90\n2,91\n", "head.csv": "azimuth,altitude,weight\n",

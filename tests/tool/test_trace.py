@@ -2,10 +2,11 @@
 """`cellwalk trace` and `cellwalk info`: kernels, files and words. The hits themselves are judged by ../core; ../python/test_tool.py compares them, and
 what is said of kernels, with the library's."""
 import json
+import os
 
 import numpy as np
 import pytest
-from program import array, asc, entries, info, library, needs, needs_room, npy, rays, read, run, sets, well, write
+from program import array, asc, entries, header, info, library, needs, needs_room, npy, rays, read, run, sets, well, write
 
 N = 2000
 HIT = np.dtype([("t", "<f4"), ("i", "<i4"), ("j", "<i4"), ("triangle", "<u4"), ("u", "<f4"), ("v", "<f4")])
@@ -81,9 +82,7 @@ def test_rays_need_not_fit(table):
     if needs_room():
         pytest.skip("AddressSanitizer needs more memory than that")
     n = 4 << 20
-    npy("sparse.npy", "<f4", f"({n}, 8)")
-    with open("sparse.npy", "r+b") as file:
-        file.truncate(len(read("sparse.npy")) + 32 * n)
+    os.truncate("sparse.npy", npy(header(shape=f"({n}, 8)"), name="sparse.npy") + 32 * n)
     done = run("trace", "field.npy", "sparse.npy", "-o", "hits.npy", "--threads", 1, memory=64 << 20)
     assert done.status == 0, done.err
     hits = np.load("hits.npy", mmap_mode="r")
