@@ -261,8 +261,8 @@ static void add_opening(void *context, size_t begin, size_t end) {
     }
 }
 
-/* One direction more, for rows that share their headings. count: NULL for the sky, or of directions with terrain. lean: NULL for level ground, or slopes eastward of the
- * rows' samples and, room samples on, northward. */
+/* One direction more, for rows that share their headings. count: NULL for the sky, or of directions with terrain. lean:
+ * NULL for level ground, or slopes eastward of the rows' samples and, room samples on, northward. */
 static cw_status add_direction(horizon *h, const cw_run *run, size_t k, cw_rectangle at, float *count,
                                const float *lean, double *sum) {
     cw_heading *heading;

@@ -13,8 +13,6 @@
 
 enum { STRIPS_USUAL = 16 };
 
-static const double degree = 0.017453292519943295;
-
 typedef struct strip {
     double altitude, half; /* of its middle, and from there to its ends; degrees */
     double share;          /* of the disc */
@@ -99,8 +97,9 @@ static cw_status blocked(sunlight *s, const cw_run *run, cw_rectangle at, uint8_
     return cw_heading_occluded(heading, run, cw_compass_rise(slope, s->desc.altitude), at, occluded);
 }
 
-/* At the raster's rim no terrain hides a sun below the level, yet samples are dark once all of it is lower than a free horizon. From a height h over the sea a free horizon has the dip
- * acos(R / (R + h)), so samples up to this height, in their numbers, are dark. */
+/* At the raster's rim no terrain hides a sun below the level, yet samples are dark once all of it is lower than a free
+ * horizon. From a height h over the sea a free horizon has the dip acos(R / (R + h)), so samples up to this height, in
+ * their numbers, are dark. */
 static double night_limit(const sunlight *s) {
     double sine, cosine, half, unused;
     const double top = s->desc.altitude + s->desc.radius;
@@ -131,6 +130,12 @@ static cw_status fill_lit(void *context, const cw_run *run, cw_rectangle at, voi
     return CW_OK;
 }
 
+/* The angle between two directions whose slopes are these: off by less than x^6 / 7 of itself, x its tangent. */
+static inline float angle_between(float slope, float other) {
+    const float x = (slope - other) / (1 + slope * other);
+    return x * (1 - x * x * (1.0f / 3 - x * x * 0.2f));
+}
+
 /* Adds the part of a strip that is seen: all of it where the horizon is below its lower end, nothing where it is
  * above its upper one. */
 static cw_status add_strip(sunlight *s, const cw_run *run, size_t k, cw_rectangle at, float *steepest, float *share) {
@@ -139,17 +144,16 @@ static cw_status add_strip(sunlight *s, const cw_run *run, size_t k, cw_rectangl
     double slope;
     cw_status status = cw_compass_heading(&s->compass, k, &heading, &slope);
     if (status != CW_OK) return status;
-    const float low = cw_compass_rise(slope, p->altitude - p->half),
-                high = cw_compass_rise(slope, p->altitude + p->half);
+    const float high = cw_compass_rise(slope, p->altitude + p->half), below = nextafterf(high, -INFINITY),
+                low = fminf(cw_compass_rise(slope, p->altitude - p->half), below); /* a tiny disc is a point */
     status = cw_heading_steepest(heading, run, low, high, at, steepest);
     if (status != CW_OK) return status;
-    /* The tangent of the angle between two directions; as the disc is small, that is the angle. */
-    const float per_rise = (float)(1 / slope), top = high * per_rise, whole = (float)p->share;
-    const float per_tangent = (float)(1 / (2 * p->half * degree));
-    const bool even = top < INFINITY && low > -INFINITY;
+    const float per_rise = (float)(1 / slope), top = high * per_rise, foot = low * per_rise, whole = (float)p->share;
+    const float per_angle = 1 / angle_between(top, foot);
+    const bool even = top < INFINITY && low > -INFINITY && foot < top; /* else all of a strip is seen or none of it */
     for (size_t m = 0; m < at.nx * at.ny; m++) {
-        const float bottom = steepest[m] * per_rise;
-        const float part = even                 ? (top - bottom) / (1 + top * bottom) * per_tangent
+        const float part = steepest[m] <= low   ? 1
+                           : even               ? angle_between(top, steepest[m] * per_rise) * per_angle
                            : steepest[m] < high ? 1
                                                 : steepest[m] * 0;
         share[m] += whole * (part > 1 ? 1 : part);

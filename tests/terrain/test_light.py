@@ -53,6 +53,14 @@ def test_a_wall_before_the_disc(lands, strips):
         assert abs(share - (np.arccos(v) - v * np.sqrt(1 - v * v)) / np.pi) <= 4 / (np.pi * strips) + 0.04, (south, u)
 
 
+def test_a_tiny_disc_is_a_point(lands):
+    """At the rim half of the disc has no wall before it."""
+    lands.land(WALL)
+    for radius in (1e-5, 1e-9, 1e-300):
+        share = lands.product("sunlight", light(altitude=12, radius=radius))
+        assert (share == lands.shadow(0, 12))[:, 1:-1].all(), radius
+
+
 def test_hillshade_of_a_plane(lands):
     """Heights of up to 700 m are rounded by 3 10^-5, differences over 10 m so by 6 10^-6 of a slope."""
     lands.land(0.3 * X + 0.4 * Y)

@@ -4,8 +4,9 @@
  *
  * A piece keeps the line w = a + b u of its edge from end to end, however often it is cut, so that cutting adds no error to
  * it. Where two pieces meet is rounded: who looks in a direction sees all pieces within SKYLINE_BLUR of it and gets the
- * lowest and the highest of them. Pieces also keep how much higher an edge may be that was left out by rounding. Edges narrower than half of that would be too steep for lines: they become level pieces as
- * high as their higher end, which say how far below the truth may be. */
+ * lowest and the highest of them. Pieces also keep how much higher an edge may be that was left out by rounding. Edges
+ * narrower than half of that would be too steep for lines: they become level pieces as high as their higher end, which say
+ * how far below the truth may be. */
 #ifndef CELLWALK_TERRAIN_SKYLINE_H
 #define CELLWALK_TERRAIN_SKYLINE_H
 
