@@ -59,22 +59,19 @@ static void expect_of_cell(const ground *g, cw_leaf leaf, size_t n) {
 
 typedef void comparison(const ground *g, size_t n, counts *c);
 
-static void every_kernel(const ground *g, size_t n, counts *c) {
-    for (int leaf = CW_LEAF_MOLLER_TRUMBORE; leaf < CW_LEAF_COUNT; leaf++) {
-        expect_of_cell(g, (cw_leaf)leaf, n);
+static void of_cell(const ground *g, size_t n, counts *c, cw_leaf first, const char *like) {
+    for (cw_leaf leaf = first; leaf < CW_LEAF_COUNT; leaf++) {
+        expect_of_cell(g, leaf, n);
         for (size_t p = 0; p < path_count; p++)
-            if (paths[p].strict && paths[p].leaf == (cw_leaf)leaf && strcmp(paths[p].name, "cell") != 0)
+            if (paths[p].strict && paths[p].leaf == leaf && strncmp(paths[p].name, like, strlen(like)) == 0 &&
+                strcmp(paths[p].name, "cell") != 0)
                 count_other(g, &paths[p].query, 0, n, c);
     }
 }
 
-/* The default leaf test alone, which is the last. */
-static void pyramids(const ground *g, size_t n, counts *c) {
-    expect_of_cell(g, CW_LEAF_WATERTIGHT, n);
-    for (size_t p = 0; p < path_count; p++)
-        if (paths[p].leaf == CW_LEAF_WATERTIGHT && strncmp(paths[p].name, "pyramid", 7) == 0)
-            count_other(g, &paths[p].query, 0, n, c);
-}
+static void every_kernel(const ground *g, size_t n, counts *c) { of_cell(g, n, c, CW_LEAF_MOLLER_TRUMBORE, ""); }
+/* With the default leaf test, which is the last. */
+static void pyramids(const ground *g, size_t n, counts *c) { of_cell(g, n, c, CW_LEAF_WATERTIGHT, "pyramid"); }
 
 /* Calls of few rays, for which the library chooses other kernels, with each limit on the instruction set. */
 static void small_calls(const ground *g, size_t n, counts *c) {
@@ -186,10 +183,12 @@ static const row table[] = {
      .some_miss = true, .hits = 0.05},
     {"few", small_shape, rays_in_turn, small_calls, 3, 3, 6000, 1500, .hits = 0.05},
     {"few over a cliff", cliff, rays_over_cliff, small_calls, 2, 1, 6000, 1500, .some_miss = true, .hits = 0.3},
+    {"few in a large field", large_land, benchmark_rays, small_calls, 1, 1, 6000, 1500, .slow = true, .hits = 0.05,
+     .class = WORKLOAD_RANDOM},
     {"leftovers", small_shape, rays_in_turn, painted_stack, 3, 3, 150, 150, .slow = true},
 #define ROWS(rays, name)                                                                                               \
     {"bits " name, same_land, benchmark_rays, recorded, 2, 2, 8192, 8192, true, true, .class = rays}, {                \
-        "stress " name, any_land, benchmark_rays, every_kernel, 1, 1, 61440, 960, true, .hits = 0.02, .class = rays    \
+        "stress " name, any_land, benchmark_rays, every_kernel, 4, 1, 15360, 960, true, .hits = 0.02, .class = rays    \
     }
     ROWS(WORKLOAD_PRIMARY, "primary"),
     ROWS(WORKLOAD_SHADOW, "shadow"),

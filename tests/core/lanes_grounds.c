@@ -200,11 +200,13 @@ size_t rays_past_towers(const ground *g, cw_ray *rays, size_t most, random_state
 /* ---- the benchmark's --------------------------------------------------------------------------------------------- */
 
 static cw_field *land(ground *g, size_t number, uint32_t seed) {
-    /* Of several levels of the pyramid, whose last blocks stick out; one that is long, one small and steep; water; and the same always. */
+    /* Of several levels of the pyramid, whose last blocks stick out; one that is long, one small and steep; water; the same always; and one
+     * with more samples than caches hold. */
     static const struct {
         size_t nx, ny;
         float relief; /* 0: water */
-    } lands[] = {{257, 257, 0.1f}, {1023, 310, 0.1f}, {39, 66, 0.6f}, {500, 500, 0}, {257, 257, 0.1f}, {257, 257, 0}};
+    } lands[] = {{257, 257, 0.1f}, {1023, 310, 0.1f}, {39, 66, 0.6f},    {500, 500, 0},
+                 {257, 257, 0.1f}, {257, 257, 0},     {2049, 2049, 0.1f}};
     const size_t nx = lands[number].nx, ny = lands[number].ny;
     g->seed = seed;
     if (lands[number].relief > 0)
@@ -214,9 +216,11 @@ static cw_field *land(ground *g, size_t number, uint32_t seed) {
     return field_of(g->z, nx, ny);
 }
 
-cw_field *any_land(ground *g, random_state *r) { return land(g, g->number % 4, (uint32_t)g->number); }
+cw_field *any_land(ground *g, random_state *r) { return land(g, (g->number + test_turn()) % 4, (uint32_t)g->number); }
 
 cw_field *same_land(ground *g, random_state *r) { return land(g, 4 + g->number % 2, 7); }
+
+cw_field *large_land(ground *g, random_state *r) { return land(g, 6, 7); }
 
 size_t benchmark_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
     return workload_rays_make(g->field, g->class, g->seed, most, rays);

@@ -63,7 +63,7 @@ field_maker towers_beside_nodes, wide_towers_beside_nodes;
 ray_maker climbing_rays;
 
 /* The benchmark's land and water, other each time or always the same, and a class of its rays. */
-field_maker any_land, same_land;
+field_maker any_land, same_land, large_land;
 ray_maker benchmark_rays;
 
 #endif

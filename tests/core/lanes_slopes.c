@@ -10,20 +10,20 @@
 /* ---- planes ------------------------------------------------------------------------------------------------------ */
 
 cw_field *plane(ground *g, random_state *r) {
-    enum { PLAIN = 240 };
     static const field_size sizes[] = {{300, 257}, {66, 66},  {1500, 70}, {70, 1500},
                                        {2049, 9},  {5, 1025}, {513, 400}, {9001, 2}};
     static const int exponents[][8] = {{0, -3, -20, -60, -132, 40, 90, 0}, {0, -3, -20, -60, -132, 40, 90, -140}};
+    const bool may_be_high = g->number % 5 > 1;
     const field_size size = sizes[g->number % 8];
     g->nx = size.nx;
     g->ny = size.ny;
     const double longest = (double)(g->nx > g->ny ? g->nx : g->ny);
-    g->unit = ldexp(1, exponents[g->number >= PLAIN][random_below(r, 8)]);
+    g->unit = ldexp(1, exponents[may_be_high][random_below(r, 8)]);
     if (g->unit > 1) g->unit /= longest;
     for (int c = 0; c < 2; c++)
         g->slope[c] = g->unit * (random_below(r, 3) ? random_between(r, -1, 1) : 0.125 * few(r, 4));
     g->base = random_below(r, 2) ? 0 : g->unit * random_between(r, -1000, 1000);
-    g->high = g->number >= PLAIN && random_below(r, 3) > 0;
+    g->high = may_be_high && random_below(r, 3) > 0;
     if (g->high) {
         const double level = pow(10, random_between(r, -4, 0));
         for (int c = 0; c < 2; c++) g->slope[c] *= level;

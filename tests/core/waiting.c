@@ -229,6 +229,9 @@ static void fields_outlive_a_fork(void **state) {
 
 /* ---- one from within the other ------------------------------------------------------------------------------------- */
 
+static const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+static const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+
 typedef struct meeting {
     cw_field *field;
     cw_update update;
@@ -247,8 +250,6 @@ static bool update_meanwhile(void *context, double done) {
 /* From within an update, on whose pool this is. */
 static void ask_meanwhile(void *context, cw_task_fn *task, void *argument, uint32_t count) {
     meeting *m = context;
-    const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
-    const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
     /* Whose grid the update frees. */
     const cw_run grid = {.expert.kernel = cw_kernel_find("grid3d")};
     cw_hit hit;
@@ -269,8 +270,6 @@ static void who_comes_second_is_turned_away(void **state) {
     static float z[LARGE * LARGE];
     cw_field *f = field_of(z, LARGE, LARGE);
     meeting m = {.field = f, .update = {.at = {.nx = LARGE, .ny = LARGE}, .samples = z}};
-    const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
-    const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
     const cw_run q = {.watch = update_meanwhile, .watch_context = &m};
     cw_hit hit;
     check_status(cw_closest(f, &q, &ray, 1, &hit), CW_OK);
@@ -290,17 +289,13 @@ static void who_comes_second_is_turned_away(void **state) {
     cw_field_destroy(f);
 }
 
-static int set_up(void **state) {
-    for (size_t k = 0; k < SIDE * SIDE; k++) heights[k] = 1;
-    return 0;
-}
-
 int main(void) {
+    for (size_t k = 0; k < SIDE * SIDE; k++) heights[k] = 1;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(newcomers_wait),
         cmocka_unit_test(none_starves),
         cmocka_unit_test(fields_outlive_a_fork),
         cmocka_unit_test(who_comes_second_is_turned_away),
     };
-    return cmocka_run_group_tests(tests, set_up, NULL);
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -228,7 +228,7 @@ static void check_digits(const oracle *o, const cw_hit *hit, judgement *j) {
     j->t_error = fabs(at - root_t);
     j->t_bound = (double)INFINITY;
     if (!(divisor > 0x1p-50 * steep)) return;
-    const double root = doubles / divisor, rounding = 0x1p-24 * fabs(root_t) + 0x1p-149 + root;
+    const double root = doubles / divisor, rounding = ldexp(0x1p-24, ilogb(root_t)) + 0x1p-149 + root;
     j->t_bound = rounding + height_error(o, t.i, t.j) / divisor;
     const double place = bounds_place_evaluation(&o->bounds, at) + root * run;
     if (!(edge_distance(o, &t, root_t) > delta(o, t.i, t.j) + place)) return;
