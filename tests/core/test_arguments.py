@@ -11,46 +11,52 @@ from library import (ARGUMENT, HEADERS, HIT, KERNEL, NOT_BUILT, NOTHING, OK, POI
 from program import takes
 
 FUNCTIONS = dict(re.findall(r"CW_API cw_status (\w+)\((.*?)\);", HEADERS, re.S))
-DESTROY = {"pool": "cw_pool_destroy", "field": "cw_field_destroy", "heading": "cw_heading_destroy"}
+MAY_BE_NULL = {"cw_run_check field", "cw_field_coarser difference", "cw_horizon_angles degrees", "cw_horizon_angles metres"}
 SIDE = 5
 ALL = 2**64 - 1
+KINDS = {"float ": "~", "double ": "~", "cw_rectangle ": "@", "cw_area ": "%"}  # else # is a count, and = what no value is wrong for
+EMPTY = [(0, 0, 0, SIDE), (0, 0, SIDE, 0)]
 
 
 @pytest.fixture
 def good(library):
     """Right arguments by the names of parameters; arrays have room for two of anything or for a number for each sample."""
-    flat = np.zeros((SIDE, SIDE))
-    field = library.field(flat)
-    turn = library.struct("cw_heading_desc", dir=(1, 0.5))
+    flat, struct = np.zeros((SIDE, SIDE)), library.struct
+    field, ground = library.field(flat), library.keep(flat)
+    turn, land = struct("cw_heading_desc", dir=(1, 0.5)), struct("cw_terrain_desc", field=field)
     heading = int(library.well("cw_heading_create", field, turn, Room("u8"))[0])
-    yield {"field": field, "heading": heading, "run": library.run(), "tasks": library.struct("cw_tasks", threads=2, run=library.number("run_tasks")),
-           "update": library.struct("cw_update", at=(1, 1, 2, 2), samples=library.keep(flat)), "threads": 2, "n": 2, "wait": 0,
+    terrain = int(library.well("cw_terrain_create", land, None, Room("u8"))[0])
+    yield {"field": field, "heading": heading, "run": library.run(), "tasks": struct("cw_tasks", threads=2, run=library.number("run_tasks")),
+           "update": struct("cw_update", at=(1, 1, 2, 2), samples=ground), "threads": 2, "n": 2, "wait": 0, "factor": 2, "filter": 0, "size": 48,
            "at": np.array([0, 0, SIDE, SIDE], "u8"), "low": -1.0, "high": 1.0, "slope": 0.0, "map": np.eye(3, 4), "desc": library.desc(flat),
-           "heading desc": turn}
+           "cw_heading_create desc": turn, "cw_terrain_create desc": land, "cw_visibility desc": struct("cw_visibility_desc"), "curvature": 0.0,
+           "terrain": terrain, "area": np.array([0, 0, SIDE, SIDE, 0], "u8"), "light": struct("cw_light"), "horizon": struct("cw_horizon"), "number": 0,
+           "from": struct("cw_observer", limits=3, azimuths=(0, 90), verticals=(-90, 90)), "view": struct("cw_view", sum=ground),
+           "lines": np.zeros(2, STRUCTS["cw_sight"]), "cw_visibility answers": struct("cw_visibility_answers", area=ground)}
     library.call("cw_heading_destroy", heading)
+    library.call("cw_terrain_destroy", terrain)
 
 
 def parameters(function, good):
-    """Name, kind and right argument of each: ? an optional pointer, * another, & where a result goes, [ an array, # a count, @ a rectangle, ~ a
-    number, = what no value is wrong for."""
+    """Name, kind and right argument of each: ? an optional pointer, * another, & where a result goes, [ an array, or what KINDS has."""
     declared = [re.fullmatch(r"(.*?)(\w+)(\[.*)?", " ".join(p.split())).groups() for p in FUNCTIONS[function].split(",")]
     for kind, name, side in declared:
-        value = good.get("heading desc" if (name, function) == ("desc", "cw_heading_create") else name)
+        value = good.get(f"{function} {name}", good.get(name))
         if "**" in kind:
             yield name, "&", Room("u8")
-        elif name == "run" or (name, function) == ("field", "cw_run_check"):
-            yield name, "?", value
-        elif "*" in kind and name not in good or (name, kind) == ("slope", "float *"):
+        elif name == "run" or f"{function} {name}" in MAY_BE_NULL:
+            yield name, "?", Room("u1", 256) if value is None else value
+        elif "*" in kind and value is None or (name, kind) == ("slope", "float *"):
             yield name, "[", Room("u1", 256)
         else:
-            yield name, "*" if "*" in kind or side else {"float ": "~", "cw_rectangle ": "@"}.get(kind, "#" if name == "n" else "="), value
+            yield name, "*" if "*" in kind or side else KINDS.get(kind, "#" if name == "n" else "="), value
 
 
 def call(library, function, arguments):
     status, error, *filled = library.asked(function, *arguments)
-    for what, destroy in DESTROY.items():
-        if status == OK and function.startswith(f"cw_{what}_create"):
-            library.call(destroy, int(filled[-1][0]))
+    made = re.match(r"cw_(\w+?)_(create|coarser)", function)
+    if status == OK and made:
+        library.call(f"cw_{made[1]}_destroy", int(filled[0][0]))
     return status, error
 
 
@@ -61,7 +67,7 @@ def is_fine(library, function, arguments, what):
 
 def is_refused(library, function, arguments, name):
     status, error = call(library, function, arguments)
-    assert status == ARGUMENT and error.startswith(name + ":"), (function, name, status, error)
+    assert status == ARGUMENT and name in error.partition(":")[0].split(", "), (function, name, status, error)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
@@ -78,14 +84,15 @@ def test_each_argument(library, good, function):
         if name == "run":  # what a later version would mean by more
             for word in np.eye(6, dtype="u8"):
                 is_refused(library, function, with_one(library.run(reserved=word << np.uint64(63))), "cw_run")
-        for some in {"#": [0], "@": [(0, 0, 0, SIDE), (0, 0, SIDE, 0), (0, 0, 0, 0)]}.get(kind, []):
-            is_fine(library, function, with_one(some if kind == "#" else np.array(some, "u8"), empty=True), f"{name} {some}")
+        for some in {"#": [0], "@": [*EMPTY, (0, 0, 0, 0)], "%": EMPTY}.get(kind, []):
+            is_fine(library, function, with_one(some if kind == "#" else np.array((*some, *right[k][4:]), "u8"), empty=True), f"{name} {some}")
 
 
-# Which argument of which function takes a struct that callers fill; and its pointers that may be NULL.
-FILLED = {"cw_tasks": ("cw_pool_create_on", "tasks"), "cw_run": ("cw_closest", "run"), "cw_allocator": ("cw_field_create", "desc"),
-          "cw_field_desc": ("cw_field_create", "desc"), "cw_update": ("cw_field_update", "update"), "cw_heading_desc": ("cw_heading_create", "desc")}
-OPTIONAL = {"context", "pool", "watch", "watch_context", "allocator"}
+# The last function that takes a struct which callers fill, and as which argument; and the pointers in it that must not be NULL.
+FILLED = {name: (function, parameter) for function, text in FUNCTIONS.items() for name, parameter in re.findall(r"const (cw_\w+) \*(\w+)", text)}
+FILLED["cw_allocator"] = FILLED["cw_field_desc"]
+SAID = {("cw_observer", "height"): "x"}  # of no number there is no place
+REQUIRED = {"samples", "field", "allocate", "release", "run"}
 
 
 @pytest.mark.parametrize("name", [name for name, struct in STRUCTS.items() if "reserved" in struct.names and f"}} {name};" in HEADERS])
@@ -104,10 +111,10 @@ def test_each_member(library, good, name):
         place = STRUCTS[name].fields[member]
         wrong = 0 if (name, member) in POINTERS or member == "at" else 0xff  # all bits set: also a NaN
         struct.view("u1")[place[1]:place[1] + place[0].itemsize] = wrong
-        if member in OPTIONAL or member == "at":
+        if (name, member) in POINTERS and member not in REQUIRED or member == "at":
             is_fine(library, function, arguments(struct), member)
         else:
-            is_refused(library, function, arguments(struct), name if member in ("zero", "reserved") else member)
+            is_refused(library, function, arguments(struct), name if member in ("zero", "reserved") else SAID.get((name, member), member))
         if member == "at":  # empty: then there are no samples either
             struct["samples"] = 0
             is_fine(library, function, arguments(struct), "at and samples")

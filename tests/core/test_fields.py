@@ -32,7 +32,7 @@ def test_sizes(library):
         assert status == ARGUMENT and pool[0] == 0
     pool = int(library.well("cw_pool_create", 0, Room("u8"))[0])
     assert 1 <= library.number("cw_pool_threads", pool) <= 4096 and library.number("cw_pool_threads", None) == 1
-    for destroy, made in ("cw_pool_destroy", pool), *((f"cw_{what}_destroy", None) for what in ("pool", "field", "heading")):
+    for destroy, made in ("cw_pool_destroy", pool), *((f"cw_{what}_destroy", None) for what in ("pool", "field", "heading", "terrain", "visible")):
         library.call(destroy, made)
     for threads in 0, 4097:
         tasks = library.struct("cw_tasks", threads=threads, run=library.number("run_tasks"))
@@ -138,14 +138,13 @@ def test_updates_that_are_refused_change_nothing(library):
 
 def test_refusals_do_not_depend_on_threads(library):
     """Of several samples that are refused the first counts."""
-    z, pool = np.zeros((530, 700), "f4"), int(library.well("cw_pool_create", 3, Room("u8"))[0])
+    z, pool = np.zeros((530, 700), "f4"), library.pool(3)
     z[300, 500], z[301, 3] = np.inf, 1.125 * 2.0**100  # the second one in a tile that is looked at before
     for error in "(500, 300) is inf", "(499, 300) is -1.4":
         desc = library.desc(z, storage=1)
         for _ in range(20):
             assert error in library.fails(SAMPLE, "cw_field_create", desc, library.run(pool=pool), Room("u8"))
         z[300, 499] = -1.125 * 2.0**100
-    library.call("cw_pool_destroy", pool)
 
 
 def test_fields_move(library):
@@ -199,7 +198,7 @@ def inside(library, field):
 def test_updates_give_what_is_made_anew(library, size):
     """Every byte, by any number of threads; what was lowest is raised and what was highest lowered, and some samples stay."""
     nx, ny, gap = size
-    r, pools = np.random.default_rng(nx), [int(library.well("cw_pool_create", threads, Room("u8"))[0]) for threads in (1, 2, 3, 7)]
+    r, pools = np.random.default_rng(nx), list(map(library.pool, (1, 2, 3, 7)))
     for kind in each_kind(size):
         z = heights(kind, (ny, nx + gap), r)
         samples = library.keep(z)
@@ -219,8 +218,6 @@ def test_updates_give_what_is_made_anew(library, size):
             wanted = inside(library, anew)
             assert inside(library, borrowed) == wanted and inside(library, copied) == wanted, (kind, at)
             library.call("cw_field_destroy", library.fields.pop())
-    for pool in pools:
-        library.call("cw_pool_destroy", pool)
 
 
 def of_nodes(take, z, side):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from library import ARGUMENT, KERNEL, Room
 from program import taken, takes
-from test_visible import SHAPES, SIZES, crossings, direction, lakes, made
+from test_visible import SHAPES, SIZES, crossings, direction, lakes, made, samples_along
 
 INF = np.inf
 crossings = functools.cache(crossings)
@@ -40,13 +40,10 @@ class Headings:
 
 def brute(z, i, j, dx, dy, reach=0, drop=0):
     """The steepest rises from samples, and what they may be off by: 2^-21 of the steeper of the rises to an edge's samples."""
-    ny, nx = z.shape
-    t, (x, y, across, down), f = crossings(dx, dy, nx + ny)
+    t, edges, f = crossings(dx, dy, sum(z.shape))
     near = (t <= reach) | (reach == 0)
-    (t, f), (x, y, across, down) = (a[near][:, None] for a in (t, f)), (a[near] for a in (x, y, across, down))
-    columns, rows = [i + x[:, None], i + (x + across)[:, None]], [j + y[:, None], j + (y + down)[:, None]]
-    inside = np.all([(c >= 0) & (c < nx) & (r >= 0) & (r < ny) for c, r in zip(columns, rows)], 0)
-    one, other = (np.where(inside, z[np.clip(r, 0, ny - 1), np.clip(c, 0, nx - 1)].astype(float) - z[j, i], np.nan) for c, r in zip(columns, rows))
+    t, f = t[near][:, None], f[near][:, None]
+    one, other = (heights.astype(float) - z[j, i] for heights in samples_along(z, i, j, *edges[:, near]))
     slope = (one + f * (other - one)) / t - drop * t
     error = np.where(np.isnan(slope), 0, 2.0**-21 * np.maximum(np.abs(one), np.abs(other)) / t + 2.0**-23 * drop * t)
     return np.fmax.reduce(slope, 0, initial=-INF), np.max(error, 0, initial=0)
@@ -119,15 +116,14 @@ def test_bits_are_the_same(library, first, ends):
     """For every instruction set, threads and ways to cut the field up."""
     nx, ny, r, z = 203, 187, np.random.default_rng(99 + first), lakes(203, 187, 0)
     z.flat[r.choice(z.size, 300)] = np.nan
-    land, pool = Headings(library, z), int(library.well("cw_pool_create", 3, Room("u8"))[0])
+    land, pool = Headings(library, z), library.pool(3)
     for number in range(24):
         dir, wanted = direction(r, number), None
         if not takes(first + number, 16):
             continue
         with land.along(dir, **ends) as heading:
             for isa in range(1, 6):
-                library.call("cw_isa_limit", isa)
-                if library.number("cw_isa_best") != isa:
+                if not library.limited(isa):
                     continue
                 run = library.run(pool=pool if isa % 2 else 0)
                 slopes = land.steepest(heading, run=run)
@@ -144,7 +140,6 @@ def test_bits_are_the_same(library, first, ends):
                 wide, tall = int(r.integers(1, nx - i + 1)), int(r.integers(1, ny - j + 1))
                 assert land.steepest(heading, at=(i, j, wide, tall), run=run).tobytes() == wanted[j:j + tall, i:i + wide].tobytes()
             library.call("cw_isa_limit", 0)
-    library.call("cw_pool_destroy", pool)
 
 
 def test_rounding_above_both_samples_counts(library):

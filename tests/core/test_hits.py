@@ -5,16 +5,12 @@ import numpy as np
 import pytest
 from library import HEADERS, HIT, NOTHING, RAY, SOURCE, USER_RAY, Room, random_rays
 from program import DIVISOR, SLOW
+from test_coarser import made
 
 # MIRRORED shears and turns x and y and reverses z. FAR turns and scales, with its origin millions of units away.
 MIRRORED = np.array([[2, -0.5, 0.125, 300], [0.75, 3, 0, -20], [0.25, 0, -1.5, 7]])
 FAR = np.array([[30, -5, 0, 3e6], [4, 31, 0, -7e6], [0.5, 0.25, 2, 100]])
 LONG = np.longdouble
-
-
-def with_holes(ny, nx, seed):
-    z, y = np.random.default_rng(seed).random((2, ny, nx))
-    return np.where(y < 1 / 7, np.nan, z).astype("f4")
 
 
 # ---- points and normals --------------------------------------------------------------------------------------------------------
@@ -46,7 +42,7 @@ def off_by(found, wanted):
 
 
 def test_points_and_normals_of_hits(library):
-    z = with_holes(17, 17, 7)
+    z = made("holes", 17, 17, 7).astype("f4")
     hits = library.closest(library.field(z), random_rays(20000, 17, 17))
     hits = hits[hits["i"] >= 0]
     assert len(hits) > 5000
@@ -83,7 +79,7 @@ def test_what_follows_from_no_hit(library):
 
 def test_places_on_the_surface(library):
     side, r = 33, np.random.default_rng(11)
-    z = with_holes(side, side, 5)
+    z = made("holes", side, side, 5).astype("f4")
     field = library.field(z, FAR)
     xy = r.uniform(0, side, (20000, 2))
     xy[::2] = np.floor(xy[::2])  # samples, borders and diagonals, the far border, and anything between
@@ -109,7 +105,7 @@ def test_places_on_the_surface(library):
                                  [[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0]]])
 def test_places_along_the_fields_up(library, map):
     """Worlds whose y is up, or whose heights lean. All numbers are exact."""
-    field, map, r = library.field(with_holes(33, 33, 5), map), np.array(map), np.random.default_rng(12)
+    field, map, r = library.field(made("holes", 33, 33, 5), map), np.array(map), np.random.default_rng(12)
     places = np.concatenate([r.integers(0, 8 * 33, (2000, 2)) / 8, r.integers(-32, 32, (2000, 1))], 1)
     wanted = library.of_each("cw_surface_at", field, np.ascontiguousarray(places[:, :2]), HIT)
     assert library.of_each("cw_surface_at_user", field, places @ map[:, :3].T + map[:, 3], HIT).tobytes() == wanted.tobytes()
@@ -128,21 +124,20 @@ def user_rays(n, seed=9):
 
 
 def test_rays_in_user_space(library):
-    field, given = library.field(with_holes(33, 33, 5), FAR), user_rays(30000)
+    field, given = library.field(made("holes", 33, 33, 5), FAR), user_rays(30000)
     expected = library.closest(field, library.of_each("cw_rays_to_field", field, given, RAY))
     assert 5000 < (expected["i"] >= 0).sum() < 29000
-    pool = int(library.well("cw_pool_create", 3, Room("u8"))[0])
+    pool = library.pool(3)
     for n in 0, 1, 511, 512, 513, len(given):
         for run in None, library.run(pool=pool):
             hits = library.well("cw_closest_user", field, run, given[:n], n, Room(HIT, n + 1))
             seen = library.well("cw_occluded_user", field, run, given[:n], n, Room("u1", n + 1))
             assert hits[:n].tobytes() == expected[:n].tobytes() and (seen[:n] == (expected[:n]["i"] >= 0)).all()
             assert (hits[n:].view("u1") == NOTHING).all() and seen[n] == NOTHING
-    library.call("cw_pool_destroy", pool)
 
 
 def test_threads_of_the_caller(library):
-    field, given, counts = library.field(with_holes(33, 33, 5)), random_rays(30000, 33, 33), library.keep(np.zeros(2, "u8"))
+    field, given, counts = library.field(made("holes", 33, 33, 5)), random_rays(30000, 33, 33), library.keep(np.zeros(2, "u8"))
     tasks = library.struct("cw_tasks", threads=8, run=library.number("run_tasks"), context=counts)
     pool = int(library.well("cw_pool_create_on", tasks, Room("u8"))[0])
     assert library.number("cw_pool_threads", pool) == 8

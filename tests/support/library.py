@@ -10,10 +10,9 @@ import pytest
 from words import Program
 
 SOURCE = pathlib.Path(os.environ["CELLWALK_SOURCE"])
-HEADERS = "".join((SOURCE / "include" / name).read_text() for name in ("cellwalk.h", "cellwalk_expert.h"))
-INSIDE = "".join((SOURCE / name).read_text() for name in (
-    "include/cellwalk_terrain.h", *(f"src/terrain/{name}.h" for name in (
-        "visible", "sun/sun", "sun/insolation", "sight/sight", "sight/view_limits", "sight/viewshed", "sight/profile"))))
+HEADERS = "".join((SOURCE / "include" / name).read_text() for name in ("cellwalk.h", "cellwalk_expert.h", "cellwalk_terrain.h"))
+INSIDE = "".join((SOURCE / f"src/terrain/{name}.h").read_text() for name in (
+    "visible", "sun/sun", "sun/insolation", "sight/sight", "sight/view_limits", "sight/viewshed", "sight/profile"))
 TYPES = {"int": "i4", "float": "f4", "double": "f8", "size_t": "u8", "uint8_t": "u1", "int32_t": "i4", "uint32_t": "u4", "uint64_t": "u8", "bool": "?"}
 STRUCTS, POINTERS = {}, set()  # name: a dtype, in which pointers are numbers; struct and member
 
@@ -86,7 +85,7 @@ class Library(Program):
 
     def __init__(self, **setting):
         super().__init__(**setting)
-        self.fields = []
+        self.fields, self.pools = [], []
 
     def call(self, name, *arguments):
         """What the function returns, as text, and an array for each Room."""
@@ -144,6 +143,15 @@ class Library(Program):
             run["expert"][member] = value
         return run
 
+    def pool(self, threads):
+        self.pools.append(int(self.well("cw_pool_create", threads, Room("u8"))[0]))
+        return self.pools[-1]
+
+    def limited(self, isa):
+        """Limits the instruction set; whether this machine has just that."""
+        self.call("cw_isa_limit", isa)
+        return isa == 0 or self.number("cw_isa_best") == isa
+
     def desc(self, z, map=None, **members):
         """A cw_field_desc of samples that stay."""
         z = np.asarray(z, "f4")
@@ -184,8 +192,8 @@ class Library(Program):
         return self.call("peek", int(address), Room(kind, count))[1]
 
     def end(self):
-        for field in self.fields:
-            self.call("cw_field_destroy", field)
+        for what, made in *(("field", field) for field in self.fields), *(("pool", pool) for pool in self.pools):
+            self.call(f"cw_{what}_destroy", made)
         super().end()
 
 
@@ -324,34 +332,20 @@ class Lands(Library):
         self.call("cw_profile_free", made)
         return [points[member].astype(float) for member in ("share", "ground", "line", "seen")]
 
-    def limited(self, isa):
-        """Limits the instruction set; whether this machine has just that."""
-        self.call("cw_isa_limit", isa)
-        return isa == 0 or self.number("cw_isa_best") == isa
-
-    def asked_visible(self, how, rectangle=None, every=1, row=0, count=None, pool=0, keep=False):
-        """Status, and areas, distances and directions, an eye a number. how: direction x and y, reach, drop, height of the eye and of the target,
-        slack. keep: the eyes stay for the next direction."""
+    def visible(self, how, rectangle=None, every=1, row=0, count=None, pool=0, keep=False):
+        """Areas, distances and directions, an eye a number. how: direction x and y, reach, drop, height of the eye and of the target, slack.
+        keep: the eyes stay for the next direction."""
         at = rectangle or (0, 0, *self.z.shape[::-1])
-        wide = -(-at[2] // every) if every else 0
-        count = -(-at[3] // max(every, 1)) - row if count is None else count
+        wide, count = -(-at[2] // every), -(-at[3] // every) - row if count is None else count
         desc = struct("cw_visible_desc", dir=how[:2], weight=1, length=1, label=7, **dict(zip(("reach", "drop", "eye", "target", "slack"), how[2:])))
         if not self.eyes:
-            status, _, eyes = self.asked("cw_visible_create", self.fields[-1], np.array(at, "u8"), every, Both(np.zeros(1, "u8")))
-            if status != OK:
-                return status,
-            self.eyes = int(eyes[0])
+            self.eyes = int(self.well("cw_visible_create", self.fields[-1], np.array(at, "u8"), every, Room("u8"))[0])
         sums = [Both(np.full(count * wide, fill, type)) for fill, type in ((0, "f8"), (0, "f4"), (np.nan, "f4"))]
-        status, _, *found = self.asked("cw_visible_add", self.eyes, self.run(pool=pool), desc, row, count, *sums)
+        found = self.well("cw_visible_add", self.eyes, self.run(pool=pool), desc, row, count, *sums)
         if not keep:
             self.call("cw_visible_destroy", self.eyes)
             self.eyes = None
-        return status, *(values.reshape(-1, wide) for values in found)
-
-    def visible(self, *how, **words):
-        status, *found = self.asked_visible(*how, **words)
-        assert status == OK
-        return found
+        return [values.reshape(-1, wide) for values in found]
 
     def coarser(self, factor, filter, pool=0):
         """The field, its samples and how far it is."""
@@ -373,8 +367,6 @@ def library(folder):
 @pytest.fixture
 def lands(folder):
     program = Lands()
-    program.pool = int(program.well("cw_pool_create", 4, Room("u8"))[0])
+    program.threads = program.pool(4)
     yield program
-    program.forget()
-    program.call("cw_pool_destroy", program.pool)
     program.end()

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """All products: parts of a field, with a stride, on threads, by every instruction set, and of a field that borrows rows with gaps, have
 the bits of the whole; a watch ends each product; wrong calls name argument, value and limit."""
+from functools import partial
+
 import numpy as np
 import pytest
 from library import ARGUMENT, CANCELLED, MAPS, OK, STRUCTS, Room, horizon, light, observer, struct
 from program import takes
+from test_light import NX, NY, I, J
 
-NX, NY, STRIDE = 61, 47, 66
-I, J = np.meshgrid(np.arange(NX), np.arange(NY))
+STRIDE, sight = 66, partial(struct, "cw_visibility_desc")
 Z = 40 * np.sin(I / 7) * np.cos(J / 5) + np.random.default_rng(31).uniform(0, 8, I.shape)
 Z[20, 30] = np.nan
 
@@ -21,13 +23,13 @@ def make(lands, number):
     """Products, each with its description, its type and what else it takes, of the same land in metres or in degrees."""
     map, geographic = MAPS[number]
     lands.land(Z, map, geographic=geographic, gap=16)
-    suns, seen, sight = lands.table("suns", [[1.7e9 + 1800 * k, 11, 46] for k in range(48)]), eye(map), struct("cw_visibility_desc", height=2, directions=9)
+    suns, seen, see = lands.table("suns", [[1.7e9 + 1800 * k, 11, 46] for k in range(48)]), eye(map), sight(height=2, directions=9)
     return [("shadow", light(200, 15), "u1", {}), ("sunlight", light(200, 15, radius=1, hillshade=1), "f4", {}),
             ("horizon_angles degrees", horizon(13, curvature=1), "f4", {"number": 5}), ("horizon_angles metres", horizon(count=7), "f4", {"number": 2}),
             ("sky_view", horizon(count=11, farthest=150), "f4", {}), ("sky_view", horizon(flags=1), "f4", {}),
             ("openness", horizon(count=8, flags=2), "f4", {}), ("viewshed needed", seen, "f4", {}), ("viewshed angle", seen, "f4", {}),
-            ("viewshed seen", seen, "u2", {}), ("viewshed sum", seen, "f8", {"weight": 2.5}), ("visibility area", sight, "f4", {}),
-            ("visibility share", sight, "f4", {}), ("insolation_hours", lands.insolation(suns, 0.5, 1, 100), "f4", {}),
+            ("viewshed seen", seen, "u2", {}), ("viewshed sum", seen, "f8", {"weight": 2.5}), ("visibility area", see, "f4", {}),
+            ("visibility share", see, "f4", {}), ("insolation_hours", lands.insolation(suns, 0.5, 1, 100), "f4", {}),
             ("insolation_direct", lands.insolation(suns, 0.5, 1), "f4", {})]
 
 
@@ -46,7 +48,7 @@ def test_parts_have_the_bits_of_the_whole(lands, number):
             for n, (i, j, nx, ny) in enumerate(parts):
                 for used in [None] * (n == k) + [kernel] * takes(n + k + p, 4):
                     wanted = np.full((NY, STRIDE), 0 if name in ("viewshed seen", "viewshed sum") else 77, type)
-                    found, run = wanted.copy(), lands.run(pool=lands.pool * (k % 2), kernel=used or 0)
+                    found, run = wanted.copy(), lands.run(pool=lands.threads * (k % 2), kernel=used or 0)
                     assert lands.make(name, desc, found, run=run, at=(i, j, nx, ny), stride=STRIDE, **more)[0] == OK
                     wanted[:ny, :nx] = whole[j:j + ny, i:i + nx]
                     assert found.tobytes() == wanted.tobytes(), (name, used, (i, j, nx, ny))
@@ -78,20 +80,15 @@ def test_outputs_go_together(lands):
 
 
 def wrong_products(map):
-    """What is said, the product, its description, and what else it takes."""
-    yield from [("terrain NULL", "shadow", light(), {"land": False}), ("light NULL", "shadow", None, {}),
-                ("lit NULL", "shadow", light(), {"to": None}), ("altitude 91 90", "shadow", light(altitude=91), {}),
-                ("azimuth nan", "shadow", light(np.nan), {}), ("radius 11 10", "sunlight", light(radius=11), {}),
+    """What is said, the product, its description, and what else it takes. What core_arguments has of each function is not here."""
+    yield from [("altitude 91 90", "shadow", light(altitude=91), {}), ("radius 11 10", "sunlight", light(radius=11), {}),
                 ("strips 65 64", "sunlight", light(strips=65), {}), ("curvature -1", "sunlight", light(curvature=-1), {}),
                 ("area 61 x 1", "sunlight", light(), {"at": (1, 0, NX, 1)}), ("stride 60 61", "sunlight", light(), {"at": (0, 0, NX, 1), "stride": 60}),
                 ("number 32 31", "horizon_angles degrees", horizon(), {"number": 32}), ("degrees NULL", "horizon_angles degrees", horizon(), {"to": None}),
                 ("count 3601 3600", "sky_view", horizon(count=3601), {}), ("flags 4 3", "sky_view", horizon(flags=4), {}),
-                ("azimuths NULL", "horizon_azimuths", horizon(), {"to": None}), ("view NULL", "viewshed seen", eye(map), {"to": None}),
-                ("from NULL", "viewshed seen", None, {}),
-                ("weight nan", "viewshed angle", eye(map), {"weight": np.nan}),
-                ("directions 3601 3600", "visibility area", struct("cw_visibility_desc", directions=3601), {}),
-                ("height", "visibility area", struct("cw_visibility_desc", height=-1), {}),
-                ("answers NULL", "visibility area", struct("cw_visibility_desc"), {"to": None})]
+                ("curvature", "openness", horizon(flags=2, curvature=1), {}), ("stride 30 31", "visibility area", sight(every=2), {"stride": 30}),
+                ("directions 3601 3600", "visibility area", sight(directions=3601), {}), ("height", "visibility area", sight(height=-1), {}),
+                ("eye limit", "visibility area", sight(height=1e38), {}), ("drop limit", "visibility area", sight(curvature=1e99), {})]
     ranges = "nearest verticals out of range"
     for said, more in [("limits 4 3", {"limits": 4}), ("height under the ground", {"height": -1}), (ranges, {"nearest": -1}),
                        (ranges, {"farthest": np.nan}), (ranges, {"azimuths": (0, np.inf), "limits": 1}),
@@ -103,18 +100,17 @@ def wrong_products(map):
 
 def wrong_calls(lands):
     """What is said, the function and its arguments."""
-    good, field, room, line = lands.land_desc(Z), lands.fields[0], Room("u8"), struct("cw_sight")
+    good, field, room = lands.land_desc(Z), lands.fields[0], Room("u8")
     land = lands.land_now = int(lands.well("cw_terrain_create", good, None, room)[0])
-    for said, desc, to in [("field NULL", struct("cw_terrain_desc"), room), ("desc NULL", None, room), ("terrain NULL", good, None)] + [
-            (said, struct("cw_terrain_desc", field=field, **more), room) for said, more in (
-                ("unit -1", {"unit": -1}), ("geographic 2 1", {"geographic": 2}), ("cw_terrain_desc reserved", {"zero": 1}),
-                ("reserved", {"reserved": [0] * 7 + [1]}))]:
-        yield said, "cw_terrain_create", desc, None, to
-    for said, run, factor, filter in [("factor 1 2", None, 1, 0), ("filter 3 2", None, 2, 3), ("factor 8388609", None, 2**23 + 1, 0),
-                                      ("cw_run", lands.run(reserved=1), 2, 0)]:
-        yield said, "cw_field_coarser", field, run, factor, filter, room, None, 0
-    for said, curvature, lines, n in [("curvature -1 1e+09", -1.0, None, 0), ("lines NULL", 0.0, None, 1),
-                                      ("absolute 4", 0.0, struct("cw_sight", absolute=4), 1)]:
+    scale = lands.keep(np.ones((65, 9, 2)))
+    leaning = [(lands.field(Z[:2, :2], np.eye(3, 4) + (np.arange(12) == at).reshape(3, 4)), {}) for at in (2, 6, 8, 9, 11)]
+    for said, field_of, more in [("unit -1", field, {"unit": -1}), ("geographic 2 1", field, {"geographic": 2}),
+                                 ("scale in degrees", field, {"geographic": 1, "scale": scale})] + [("field map", *one) for one in leaning]:
+        yield said, "cw_terrain_create", struct("cw_terrain_desc", field=field_of, **more), None, room
+    for said, factor, filter in ("factor 1 2", 1, 0), ("filter 3 2", 2, 3), ("factor 8388609", 2**23 + 1, 0):
+        yield said, "cw_field_coarser", field, None, factor, filter, room, None, 0
+    for said, curvature, lines, n in [("curvature -1 1e+09", -1.0, None, 0), ("absolute 4", 0.0, struct("cw_sight", absolute=4), 1),
+                                      ("zero 1", 0.0, struct("cw_sight", zero=1), 1)]:
         yield said, "cw_lines_of_sight", land, None, curvature, lines, n, Room(STRUCTS["cw_sight_answer"])
 
 
@@ -127,7 +123,22 @@ def test_wrong_calls_are_told(lands):
         status, message = lands.make(name, desc, **{"to": np.zeros((NY, NX), "f4"), **more})
         assert status == ARGUMENT and all(part in message for part in said.split()), (said, message)
     # Nothing to do is no error.
-    for what in "terrain", "visible":
-        lands.call(f"cw_{what}_destroy", None)
     lands.well("cw_lines_of_sight", lands.land_now, None, 0.0, None, 0, None)
-    assert lands.make("shadow", light(), None, at=(3, 3, 0, 2))[0] == OK
+
+
+def test_zero_is_the_usual(lands):
+    """Of each member for which it stands for another number, and no other number gives the same; a terrain has the ellipsoid and the scale that it
+    is given."""
+    lands.land(Z, MAPS[0][0])
+    for name, desc, members, member, usual in [
+            ("sunlight", light, {"altitude": 15, "radius": 5}, "strips", 16), ("sky_view", horizon, {}, "count", 32),
+            ("visibility area", sight, {"height": 2, "every": 16}, "directions", 128), ("visibility area", sight, {"height": 2}, "every", 1)]:
+        found = [lands.product(name, desc(**members, **{member: value})).tobytes() for value in (0, usual, usual + 1)]
+        assert found[0] == found[1] != found[2], (name, member)
+    assert (lands.product("viewshed sum", eye(MAPS[0][0]), "f8") == lands.product("viewshed sum", eye(MAPS[0][0]), "f8", weight=1)).all()
+    degree, middle = np.pi / 180, [30, 21, 0]
+    for desc, metres in [({"scale": lands.keep(np.full((65, 9, 2), (2.0, 3.0)))}, (2, 3)), ({"unit": 0.5, "semi_major": 7.0}, (0.5, 0.5)),
+                         ({"geographic": 1, "semi_major": 5e6}, (5e6 * degree, 5e6 * degree)),
+                         ({"geographic": 1, "semi_major": 5e6, "inverse_flattening": 100}, (5e6 * degree, 5e6 * degree * 0.99**2))]:
+        lands.land(Z, [[1e-9, 0, 0, 0], [0, -1e-9, 0, 0], [0, 0, 1, 0]], **desc)
+        assert lands.table("places", [middle])[0, :2] == pytest.approx(metres, rel=1e-12)

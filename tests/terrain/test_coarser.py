@@ -21,6 +21,11 @@ SHAPES = {
 PARTS = 64  # places are in units of so many to a cell of the full field
 
 
+def made(shape, nx, ny, seed):
+    i, j = np.meshgrid(np.arange(nx), np.arange(ny))
+    return SHAPES[shape](i, j, *np.random.default_rng(seed).random((2, ny, nx)))
+
+
 def exact(z):
     """None at a hole."""
     return [[None if np.isnan(h) else int(Fraction(float(h)) * 2**149) for h in row] for row in z]
@@ -84,10 +89,8 @@ def test_definitions(lands, size, shape, filter):
     (src/terrain/coarser/difference.c); the mean square by sums of n squares with n + 64 roundings. A mean is rounded to float once;
     sums in double of fewer than 2^11 terms before."""
     nx, ny, factor = size
-    random = np.random.default_rng(CASES.index(size) + list(SHAPES).index(shape))
-    i, j = np.meshgrid(np.arange(nx), np.arange(ny))
-    full = lands.land(SHAPES[shape](i, j, random.random((ny, nx)), random.random((ny, nx))), np.eye(3, 4))
-    _, coarse, (above, below, rms, lost, made) = lands.coarser(factor, filter)
+    full = lands.land(made(shape, nx, ny, CASES.index(size) + list(SHAPES).index(shape)), np.eye(3, 4))
+    _, coarse, (above, below, rms, lost, gained) = lands.coarser(factor, filter)
     assert coarse.shape == (-(-(ny - 1) // factor) + 1, -(-(nx - 1) // factor) + 1)
     whole = exact(full)
     for b, a in np.ndindex(coarse.shape):
@@ -101,14 +104,14 @@ def test_definitions(lands, size, shape, filter):
         wanted = (np.nan if np.isnan(window).all() else np.nanmax(window)) if filter == HIGHEST else np.min(window)
         assert z == wanted or np.isnan([z, wanted]).all()
     found = look(whole, exact(coarse), factor, above, below)
-    assert found[:2] == (lost, made)
+    assert found[:2] == (lost, gained)
     known = np.concatenate([full[~np.isnan(full)], coarse[~np.isnan(coarse)]]).astype(float)
     slack = 2.0**-49 * np.ptp(known) if found[2] else 0
     right = np.sqrt(float(found[5] / (6 * max(found[2], 1))))
     assert above <= max(found[3], 0) + slack and below <= max(-found[4], 0) + slack
     assert abs(rms - right) <= slack + right * (found[2] + 64) * 2.0**-53
     assert filter != HIGHEST or (below, lost) == (0, 0)
-    assert filter != LOWEST or (above, made) == (0, 0)
+    assert filter != LOWEST or (above, gained) == (0, 0)
     assert shape != "flat" or (above, below, rms) == (0, 0, 0)
 
 
@@ -118,7 +121,7 @@ def test_threads_change_no_bit(lands, filter, factor):
     z = 100 * random.random((409, 613))
     z[330:][random.random((79, 613)) < 0.01] = np.nan
     lands.land(z)
-    one, other = (lands.coarser(factor, filter, pool) for pool in (0, lands.pool))
+    one, other = (lands.coarser(factor, filter, pool) for pool in (0, lands.threads))
     assert one[1].tobytes() == other[1].tobytes() and one[2] == other[2]
 
 

@@ -3,9 +3,9 @@
 every instruction set, number of threads, part of the eyes and place of the land."""
 import numpy as np
 import pytest
-from library import ARGUMENT
+from library import MAPS, RADIUS, struct
 from program import taken
-from test_coarser import SHAPES
+from test_coarser import SHAPES, made
 
 SIZES = [(2, 2), (2, 41), (41, 2), (17, 17), (65, 65), (31, 12)]
 HEIGHTS = [(2, 0), (0.25, 0), (0, 1), (0.5, 3), (3, 0.5), (0, 0)]  # of eye and target
@@ -20,11 +20,6 @@ def direction(r, number):
         return EXACT[number]
     angle, length = r.uniform(0, 2 * np.pi), 1 if number % 2 else r.uniform(0.01, 100)
     return length * np.cos(angle), length * np.sin(angle)
-
-
-def made(shape, nx, ny, seed):
-    i, j = np.meshgrid(np.arange(nx), np.arange(ny))
-    return SHAPES[shape](i, j, *np.random.default_rng(seed).random((2, ny, nx)))
 
 
 def lakes(nx, ny, water):
@@ -201,7 +196,7 @@ def test_bits_are_the_same(lands):
         for isa in range(1, 6):
             if not lands.limited(isa):
                 continue
-            sets, pool = sets + 1, lands.pool * (isa % 2)
+            sets, pool = sets + 1, lands.threads * (isa % 2)
             assert same(lands.visible(how, pool=pool), wanted), isa
             for _ in range(4):
                 i, j = r.integers(0, NX), r.integers(0, NY)
@@ -238,11 +233,21 @@ def test_slack_changes_nothing(lands):
         assert same(lands.visible((*way, 2.0**-7), keep=True), one)
 
 
-def test_misuse_is_refused(lands):
-    lands.land(made("random", 5, 4, 1))
-    good = 1, 0, 0, 0, 0, 0
-    for how, rectangle, words in [(good, None, {"every": 0, "count": 0}), (good, (1, 0, 5, 4), {}), (good, None, {"row": 2, "count": 3}),
-                                  *((how, None, {}) for how in ((0, 0), (1, np.nan), (1, 0, -1), (1, 0, 0, 2.0**80), (1, 0, 0, 0, -1),
-                                                                (1, 0, 0, 0, 0, np.nan), (1, 0, 0, 0, 0, 0, 1)))]:
-        assert lands.asked_visible(how, rectangle, **words)[0] == ARGUMENT
-    assert len(lands.visible(good, row=4, count=0)[0]) == 0
+# ---- how much a place sees -----------------------------------------------------------------------------------------------------
+
+FALL = np.argmax(-0.02 / np.arange(25, 901, 25) - np.arange(25, 901, 25) / (2 * RADIUS)) * 25 + 25  # the sea is in sight up to there
+CREST = 147 / 1.45  # behind the wall, which falls by 15 m in 10 m, targets of 2 m are hidden from an eye at 20 m where 17 - 1.5 (t - 100) = 20 - 0.05 t
+
+
+@pytest.mark.parametrize("members, ways, behind", [
+    ({"height": 2}, (250, 200, 900, 100), 0), ({"height": 2, "max_distance": 300}, (250, 200, 300, 100), 0),
+    ({"height": 20, "target": 2}, (250, 200, 900, CREST), 400**2 - 360**2), ({"height": 0.02, "curvature": 1}, (250, 200, FALL, 100), 0)])
+def test_sums_and_farthest_places(lands, members, ways, behind):
+    """Of a plain in feet with a wall in the west, seen along four directions: the distances in sight, and what is in sight beyond the wall."""
+    z = np.zeros((47, 61))
+    z[:, 30] = 15 / 0.3048
+    lands.land(z, MAPS[1][0])
+    desc = struct("cw_visibility_desc", directions=4, every=10, **members)
+    found = [lands.product(f"visibility {what}", desc, stride=61)[1, 4] for what in ("area", "share", "farthest", "azimuth")]
+    seen, most = np.square(ways).sum() + behind, members.get("max_distance", 900)
+    assert found == pytest.approx([np.pi / 4 * seen * 1e-6, seen / np.square(np.fmin((250, 200, 900, 400), most)).sum(), max(ways), 180], rel=1e-5)
