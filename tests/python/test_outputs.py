@@ -195,7 +195,7 @@ for name in address, "vrt://" + address, text, "/dev/zero", "pipe", remote, remo
 
 def test_settings_are_left():
     subprocess.run([sys.executable, "-c", """
-import os, socket, time
+import os, socket
 import numpy as np, rasterio
 from rasterio.env import get_gdal_config
 from rasterio.io import MemoryFile
@@ -208,7 +208,7 @@ with rasterio.open("a.tif", "w", driver="GTiff", width=3, height=3, count=1, dty
     file.write(np.ones((1, 3, 3), np.float32))
 import cellwalk
 do_io, told = cellwalk._raster.do_io, []
-cellwalk._raster.do_io = lambda *words, **more: time.sleep(0.06) or do_io(*words, **more)  # as if reading took long, so that progress is told
+cellwalk._raster.do_io = lambda *words, work: setattr(work.c, "next", 0) or do_io(*words, work=work)  # progress is told, however fast it is read
 assert cellwalk.open("a.tif", progress=lambda share: told.append(state())).z.shape == (3, 3)
 assert len(told) == 3 and told + [state()] == 4 * [before]
 with MemoryFile() as memory, memory.open(driver="GTiff", width=3, height=3, count=1, dtype="float32") as file:
