@@ -211,6 +211,7 @@ static void no_function_is_a_cancellation_point(void **state) {
         for (size_t r = 0; r < RAYS; r++) check(hit_same(&hits[r], &expected[r]), "after number %zu, ray %zu", k, r);
         check_status(cw_field_update(field, NULL, &(cw_update){.at = {1, 1, 1, 1}}), CW_OK);
     }
+    check(cw_last_error()[0] == '\0', "an error of another thread's: %s", cw_last_error());
     calls_end();
 }
 

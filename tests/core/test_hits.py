@@ -31,9 +31,8 @@ def vertex_normals(n):
     """The sum over the triangles that have the sample as a corner; those with a hole count for nothing."""
     ny, nx = n.shape[1] + 1, n.shape[2] + 1
     total = np.zeros((ny, nx, 3), LONG)
-    for triangle, corners in enumerate([((0, 0), (0, 1), (1, 1)), ((0, 0), (1, 1), (1, 0))]):
-        for down, across in corners:
-            total[down:ny - 1 + down, across:nx - 1 + across] += np.where(np.isnan(n[triangle]), 0, n[triangle])
+    for triangle, down, across in (0, 0, 0), (0, 0, 1), (0, 1, 1), (1, 0, 0), (1, 1, 1), (1, 1, 0):
+        total[down:ny - 1 + down, across:nx - 1 + across] += np.where(np.isnan(n[triangle]), 0, n[triangle])
     return total
 
 
@@ -139,12 +138,11 @@ def test_rays_in_user_space(library):
 def test_threads_of_the_caller(library):
     field, given, counts = library.field(made("holes", 33, 33, 5)), random_rays(30000, 33, 33), library.keep(np.zeros(2, "u8"))
     tasks = library.struct("cw_tasks", threads=8, run=library.number("run_tasks"), context=counts)
-    pool = int(library.well("cw_pool_create_on", tasks, Room("u8"))[0])
+    library.pools = [pool] = library.well("cw_pool_create_on", tasks, Room("u8"))
     assert library.number("cw_pool_threads", pool) == 8
-    for n in len(given), 100:  # those are too few to share
+    for n, called in (len(given), [1, 8]), (1023, [1, 8]), (1024, [2, 12]):  # fewer are too few to share
         assert library.closest(field, given[:n], library.run(pool=pool)).tobytes() == library.closest(field, given[:n]).tobytes()
-        assert library.call("peek", counts, Room("u8", 2))[1].tolist() == [1, 8]
-    library.call("cw_pool_destroy", pool)
+        assert library.call("peek", counts, Room("u8", 2))[1].tolist() == called
 
 
 def test_every_instruction_set_moves_rays_alike(library):
@@ -221,14 +219,13 @@ def test_no_ray_slips_between_tiles_that_overlap(library, overlap, corners):
     entire = library.field(land)
     whole, nearest = library.of_each("cw_closest_user", entire, rays, HIT), np.full(n, np.inf, "f4")
     found = whole.copy()  # the same in tiles, as hits of all
-    for x in range(0, across * cells, cells):
-        for y in range(0, across * cells, cells):
-            tile = library.field(land[y:y + cells + 1 + overlap, x:x + cells + 1 + overlap], np.eye(3, 4) + np.outer((x, y, 0), (0, 0, 0, 1)))
-            hits = library.of_each("cw_closest_user", tile, rays, HIT)
-            hits["i"] += x
-            hits["j"] += y
-            found = np.where(hits["t"] < nearest, hits, found)
-            nearest = np.fmin(nearest, hits["t"])
+    for x, y in cells * np.argwhere(np.ones((across, across))):
+        tile = library.field(land[y:y + cells + 1 + overlap, x:x + cells + 1 + overlap], np.eye(3, 4) + np.outer((x, y, 0), (0, 0, 0, 1)))
+        hits = library.of_each("cw_closest_user", tile, rays, HIT)
+        hits["i"] += x
+        hits["j"] += y
+        found = np.where(hits["t"] < nearest, hits, found)
+        nearest = np.fmin(nearest, hits["t"])
     through = np.isfinite(whole["t"]) & np.isinf(nearest)
     assert through.any() == (overlap == 0)
     both = np.isfinite(whole["t"]) & ~through

@@ -67,8 +67,7 @@ static void *update(void *argument) {
 /* Those who ask, or those who update, have TURNS; the others go on until they have had them. */
 static void run(bool asking_is_counted, uint32_t wait) {
     field = field_of(heights, SIDE, SIDE);
-    atomic_bool stop;
-    atomic_init(&stop, false);
+    atomic_bool stop = false;
     worker w[ASKING + UPDATING] = {{.run.expert.kernel = cw_kernel_find("grid3d")}}; /* the first one's */
     check_status(cw_field_build(field, &w[0].run), CW_OK);
     for (int k = 0; k < ASKING + UPDATING; k++) {

@@ -192,6 +192,7 @@ static void run_tasks(void *context, cw_task_fn *run, void *argument, uint32_t c
 /* context: how many blocks there are, or NULL */
 static void *allocate(void *context, size_t bytes, size_t alignment) {
     if (context) ++*(int64_t *)context;
+    stop_unless(alignment <= 1 << 21, "alignment");
     return aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
 }
 static void release(void *context, void *memory) {

@@ -90,7 +90,7 @@ def wrong_products(map):
                 ("directions 3601 3600", "visibility area", sight(directions=3601), {}), ("height", "visibility area", sight(height=-1), {}),
                 ("eye limit", "visibility area", sight(height=1e38), {}), ("drop limit", "visibility area", sight(curvature=1e99), {})]
     ranges = "nearest verticals out of range"
-    for said, more in [("limits 4 3", {"limits": 4}), ("height under the ground", {"height": -1}), (ranges, {"nearest": -1}),
+    for said, more in [("limits 4 3", {"limits": 4}), ("height under the ground", {"height": -0.0011}), (ranges, {"nearest": -1}),
                        (ranges, {"farthest": np.nan}), (ranges, {"azimuths": (0, np.inf), "limits": 1}),
                        (ranges, {"verticals": (1, 0), "limits": 2}), (ranges, {"verticals": (-91, 0), "limits": 2})]:
         yield said, "viewshed angle", eye(map, **more), {}
@@ -122,8 +122,11 @@ def test_wrong_calls_are_told(lands):
     for said, name, desc, more in wrong_products(MAPS[0][0]):
         status, message = lands.make(name, desc, **{"to": np.zeros((NY, NX), "f4"), **more})
         assert status == ARGUMENT and all(part in message for part in said.split()), (said, message)
-    # Nothing to do is no error.
+    # Nothing to do is no error, and within 1 mm of a sample an eye is on it.
     lands.well("cw_lines_of_sight", lands.land_now, None, 0.0, None, 0, None)
+    lands.land(100 * ((I == 30) & (J == 21)))
+    for off, wanted in (0.0009, ARGUMENT), (0.005, OK):
+        assert lands.make("viewshed seen", observer(300 + off, -210, 99.9985, absolute=1), np.zeros((NY, NX), "u2"))[0] == wanted
 
 
 def test_zero_is_the_usual(lands):

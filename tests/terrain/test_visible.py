@@ -164,6 +164,24 @@ def test_reach_and_curvature_count(against):
         against.check(made("holes", 40, 31, k), 17, k, *HEIGHTS[k % 6], **more)
 
 
+FALL = np.argmax(-0.02 / np.arange(25, 901, 25) - np.arange(25, 901, 25) / (2 * RADIUS)) * 25 + 25  # the sea is in sight up to there
+CREST = 147 / 1.45  # behind the wall, which falls by 15 m in 10 m, targets of 2 m are hidden from an eye at 20 m where 17 - 1.5 (t - 100) = 20 - 0.05 t
+
+
+@pytest.mark.parametrize("members, ways, behind", [
+    ({"height": 2}, (250, 200, 900, 100), 0), ({"height": 2, "max_distance": 300}, (250, 200, 300, 100), 0),
+    ({"height": 20, "target": 2}, (250, 200, 900, CREST), 400**2 - 360**2), ({"height": 0.02, "curvature": 1}, (250, 200, FALL, 100), 0)])
+def test_sums_and_farthest_places(lands, members, ways, behind):
+    """Of a plain in feet with a wall in the west, seen along four directions: the distances in sight, and what is in sight beyond the wall."""
+    z = np.zeros((47, 61))
+    z[:, 30] = 15 / 0.3048
+    lands.land(z, MAPS[1][0])
+    desc = struct("cw_visibility_desc", directions=4, every=10, **members)
+    found = [lands.product(f"visibility {what}", desc, stride=61)[1, 4] for what in ("area", "share", "farthest", "azimuth")]
+    seen, most = np.square(ways).sum() + behind, members.get("max_distance", 900)
+    assert found == pytest.approx([np.pi / 4 * seen * 1e-6, seen / np.square(np.fmin((250, 200, 900, 400), most)).sum(), max(ways), 180], rel=1e-5)
+
+
 # ---- bits -------------------------------------------------------------------------------------------------------------------
 
 NX, NY = 203, 187
@@ -231,23 +249,3 @@ def test_slack_changes_nothing(lands):
     wanted = [lands.visible(way)[:2] for way in ways]
     for way, one in zip(ways, wanted):
         assert same(lands.visible((*way, 2.0**-7), keep=True), one)
-
-
-# ---- how much a place sees -----------------------------------------------------------------------------------------------------
-
-FALL = np.argmax(-0.02 / np.arange(25, 901, 25) - np.arange(25, 901, 25) / (2 * RADIUS)) * 25 + 25  # the sea is in sight up to there
-CREST = 147 / 1.45  # behind the wall, which falls by 15 m in 10 m, targets of 2 m are hidden from an eye at 20 m where 17 - 1.5 (t - 100) = 20 - 0.05 t
-
-
-@pytest.mark.parametrize("members, ways, behind", [
-    ({"height": 2}, (250, 200, 900, 100), 0), ({"height": 2, "max_distance": 300}, (250, 200, 300, 100), 0),
-    ({"height": 20, "target": 2}, (250, 200, 900, CREST), 400**2 - 360**2), ({"height": 0.02, "curvature": 1}, (250, 200, FALL, 100), 0)])
-def test_sums_and_farthest_places(lands, members, ways, behind):
-    """Of a plain in feet with a wall in the west, seen along four directions: the distances in sight, and what is in sight beyond the wall."""
-    z = np.zeros((47, 61))
-    z[:, 30] = 15 / 0.3048
-    lands.land(z, MAPS[1][0])
-    desc = struct("cw_visibility_desc", directions=4, every=10, **members)
-    found = [lands.product(f"visibility {what}", desc, stride=61)[1, 4] for what in ("area", "share", "farthest", "azimuth")]
-    seen, most = np.square(ways).sum() + behind, members.get("max_distance", 900)
-    assert found == pytest.approx([np.pi / 4 * seen * 1e-6, seen / np.square(np.fmin((250, 200, 900, 400), most)).sum(), max(ways), 180], rel=1e-5)
