@@ -5,11 +5,10 @@
 
 typedef enum fault_kind {
     FAULT_MEMORY, /* an allocation */
-    FAULT_WRITE,  /* writing, flushing, closing, reserving room, bringing to the disk */
+    FAULT_WRITE,  /* writing, flushing, closing, reserving room, rights, bringing to the disk */
     FAULT_RENAME, /* renaming, linking */
     FAULT_OPEN,
-    FAULT_READ, /* reading, asking for a size */
-    FAULT_MAP,
+    FAULT_READ,   /* reading, asking for a size or a link */
     FAULT_THREAD, /* starting one */
     FAULT_KINDS
 } fault_kind;
@@ -23,6 +22,6 @@ typedef struct fault_counts {
 void faults_begin(fault_kind kind, unsigned long number);
 fault_counts faults_end(void);
 
-static const char *const fault_names[FAULT_KINDS] = {"memory", "write", "rename", "open", "read", "map", "thread"};
+static const char *const fault_names[FAULT_KINDS] = {"memory", "write", "rename", "open", "read", "thread"};
 
 #endif

@@ -17,7 +17,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -143,6 +142,7 @@ FAILING(int, fflush, (FILE * file), file != stderr && fails(FAULT_WRITE), EOF, E
 FAILING(int, fallocate, (int fd, int mode, off_t offset, off_t length), fails(FAULT_WRITE), -1, ENOSPC, fd, mode,
         offset, length)
 FAILING(int, fsync, (int fd), fails(FAULT_WRITE), -1, EIO, fd)
+FAILING(int, fchmod, (int fd, mode_t mode), fails(FAULT_WRITE), -1, EPERM, fd, mode)
 FAILING(int, rename, (const char *from, const char *to), fails(FAULT_RENAME), -1, EACCES, from, to)
 FAILING(int, linkat, (int from_at, const char *from, int to_at, const char *to, int flags), fails(FAULT_RENAME), -1,
         EACCES, from_at, from, to_at, to, flags)
@@ -150,8 +150,7 @@ FAILING(FILE *, fopen, (const char *path, const char *mode), fails(FAULT_OPEN), 
 FAILING(FILE *, fdopen, (int fd, const char *mode), fails(FAULT_OPEN), NULL, ENOMEM, fd, mode)
 FAILING(ssize_t, pread, (int fd, void *to, size_t size, off_t offset), fails(FAULT_READ), -1, EIO, fd, to, size, offset)
 FAILING(int, fstat, (int fd, struct stat *about), fails(FAULT_READ), -1, EIO, fd, about)
-FAILING(void *, mmap, (void *at, size_t size, int protection, int flags, int fd, off_t offset), fails(FAULT_MAP),
-        MAP_FAILED, ENOMEM, at, size, protection, flags, fd, offset)
+FAILING(ssize_t, readlink, (const char *path, char *to, size_t size), fails(FAULT_READ), -1, EIO, path, to, size)
 
 EXPORTED int fclose(FILE *file) {
     NEXT(int, "fclose", (FILE *));

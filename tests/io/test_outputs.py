@@ -364,6 +364,7 @@ def test_sidecars_that_stay_are_named(nobody):
     os.mkdir("shared/work")
     os.chown("shared/work", NOBODY, NOBODY)
     write("cells", bytes(12))
+    os.chmod("cells", 0o644)
     old_file("shared/a.png", 0o644, NOBODY, NOBODY)
     old_file("shared/a.png.ovr", 0o644, OTHER, OTHER)
     nobody.refused("shared/a.png.ovr of the file before it cannot be", "raster write", "shared/a.png", "nx=2 ny=2")

@@ -179,6 +179,7 @@ def test_names_of_inputs_are_files():
     """And messages name no options of the program; ../tool/test_gdal.py has more names. A crash is not the end of the tests."""
     subprocess.run([sys.executable, "-c", """
 import cellwalk, os
+os.environ.update(AWS_NO_SIGN_REQUEST="YES", AWS_EC2_METADATA_DISABLED="true", AWS_CONFIG_FILE="none", AWS_SHARED_CREDENTIALS_FILE="none")
 os.mkfifo("pipe")
 address, remote = "MEM:::DATAPOINTER=1,PIXELS=4,LINES=4,DATATYPE=Float32", "/vsicurl/http://127.0.0.1:1/a.tif"
 text, net = ('<VRTDataset rasterXSize="4" rasterYSize="4"><VRTRasterBand dataType="Float32" band="1"><SimpleSource><SourceFilename>' + name +

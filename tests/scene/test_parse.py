@@ -7,7 +7,6 @@ import os
 import pathlib
 import random
 import re
-import signal
 
 import numpy as np
 import pytest
@@ -207,22 +206,12 @@ def test_what_changes_nothing_is_a_warning(scenes):
 # ---- floods -----------------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(autouse=True)
-def patience():
-    """What hangs is ended."""
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.alarm(300)
-    yield
-    signal.alarm(0)
-
-
 def test_included_files_are_counted(scenes):
     for level in range(12):
         write(str(level), 10 * f'Include "{level + 1}"\n' if level < 11 else "")
     load_fails(scenes, HEAD + 'Include "0"\nWorldEnd\n', "", "more than 4096 files are included")
-    write("large", "")
-    os.truncate("large", 1 << 34)
-    load_fails(scenes, HEAD + 'Include "large"\n', "a.pbrt:4: Include: more than 17179869184 bytes are included")
+    os.truncate("0", 1 << 34)
+    load_fails(scenes, HEAD + 'Include "0"\n', "a.pbrt:4: Include: more than 17179869184 bytes are included")
 
 
 def test_only_files_are_read(scenes):

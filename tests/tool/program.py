@@ -79,9 +79,9 @@ def without_filters():
     assert prctl(NO_NEW_PRIVS, 1, 0, 0, 0) == 0 and prctl(SECCOMP, BY_FILTER, program) == 0
 
 
-def start(*words, env=(), isa=None, file_size=0, memory=0, powerless=False, no_filters=False, seconds=0):
+def start(*words, env=(), isa=None, file_size=0, memory=0, powerless=False, no_filters=False):
     """env: variables beside the tests' own; isa: CELLWALK_ISA; then bytes of a file and of memory, no rights of root, no filters of
-    calls, seconds after which end() ends it. Python copies this process's page tables for a preexec_fn, which takes several times
+    calls. Python copies this process's page tables for a preexec_fn, which takes several times
     as long as the program: only what no command does is done by one."""
     environment = {"ASAN_OPTIONS": SANITIZERS, **os.environ, **dict(env), **({} if isa is None else {"CELLWALK_ISA": isa})}
     limits = [f"--{name}={limit}" for name, limit in (("fsize", file_size), ("as", memory)) if limit]
@@ -91,15 +91,12 @@ def start(*words, env=(), isa=None, file_size=0, memory=0, powerless=False, no_f
     streams = tempfile.TemporaryFile(), tempfile.TemporaryFile()
     process = subprocess.Popen([*before, PROGRAM, *map(str, words)], stdin=subprocess.DEVNULL, stdout=streams[0], stderr=streams[1], env=environment,
                                preexec_fn=without_filters if no_filters else None)
-    process.streams, process.seconds = streams, seconds
+    process.streams = streams
     return process
 
 
 def end(process):
-    signal.signal(signal.SIGALRM, lambda *_: process.send_signal(signal.SIGALRM))
-    signal.alarm(process.seconds)
     status, texts = process.wait(), []
-    signal.alarm(0)
     for stream in process.streams:
         stream.seek(0)
         texts.append(stream.read())

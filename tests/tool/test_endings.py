@@ -70,6 +70,7 @@ def test_the_first_process_of_a_container_ends_too():
 
 def test_while_reading():
     """Here four million numbers of many digits."""
+    needs("GDAL")
     write("text.asc", "ncols 2000\nnrows 2000\ncellsize 1\n" + "1.2345678901234567890123456789 " * 4000000)
     process = start("info", "text.asc")
     wait_until(process, lambda: "text.asc" in open_files(process))

@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 from program import needs, on_map, run, vrt, write
 
-SOON = {"seconds": 20}
-
 
 @pytest.fixture(autouse=True)
 def gdal(folder):
@@ -29,7 +27,7 @@ def hide(name, source):
 
 
 def is_refused(words, *arguments):
-    done = run(*arguments, **SOON)
+    done = run(*arguments)
     assert done.status == 1 and words in done.err, (arguments, done.status, done.err)
 
 
@@ -99,9 +97,9 @@ def visits(server):
 def is_open_on_request(server, *words, **env):
     """Whether the server is visited once that is allowed; never without."""
     environment = {"no_proxy": "127.0.0.1", "GDAL_HTTP_MAX_RETRY": "0", **env}  # no proxy of the machine's stands between
-    done = run(*words, env=environment, seconds=60)
+    done = run(*words, env=environment)
     assert done.status == 1 and "--allow-network" in done.err and visits(server) == 0, (words, done.err)
-    assert run(*words, "--allow-network", env=environment, seconds=60).status == 1
+    assert run(*words, "--allow-network", env=environment).status == 1
     return visits(server) > 0
 
 

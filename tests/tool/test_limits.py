@@ -17,7 +17,6 @@ COMMANDS = [("info", "dem.tif"), ("trace", "dem.tif", "rays.npy", "-o", "out.npy
             ("viewshed", "dem.tif", "--from", "100,100,50", "-o", "out.tif"),
             ("visibility", "dem.tif", "--directions", 2, "--every", 64, "--max-distance", 20, "-o", "out.tif"),
             ("los", "dem.tif", "100,100,50", "200,200,50"), ("render", "dem.tif", "--size", "8x8", "-o", "out.png")]
-SECONDS = 60  # a run takes one; only one that hangs is ended by the alarm
 
 
 @pytest.fixture
@@ -52,8 +51,8 @@ def samples(tiff):
 
 def ends(words, what, **setting):
     """Whether all went well."""
-    wanted, done = expected(words), run(*words, seconds=SECONDS, **setting)
-    # GDAL and libraries behind it end a process that has no memory by a signal, also while they are loaded; one that hangs gets SIGALRM.
+    wanted, done = expected(words), run(*words, **setting)
+    # GDAL and libraries behind it end a process that has no memory by a signal, also while they are loaded.
     assert done.status in (0, 1, 128 + signal.SIGABRT, 128 + signal.SIGSEGV), (words, what, done.status, done.err)
     got = result(words)
     assert got == wanted or samples(got) == samples(wanted) if done.status == 0 else got is None, (words, what, done.status)
@@ -74,5 +73,4 @@ def test_little_memory(inputs):
         words = tuple("large.tif" if word == "dem.tif" else word for word in words if word != "--co=NUM_THREADS=7")
         k = c if c % 2 else 23 - c
         ended[ends(words, k, memory=(168 + 8 * k) << 20)] += 1  # GDAL itself takes 175 MB
-    print(f"{ended[0]} runs ended without a result, {ended[1]} with it")
-    assert ended[0] > 0
+    assert all(ended), f"{ended[0]} runs ended without a result, {ended[1]} with it"

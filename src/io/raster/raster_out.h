@@ -44,7 +44,9 @@ static inline size_t io_cell_bytes(io_cell cell) {
     return bytes[cell];
 }
 
-/* Whether the name's ending is that of a GeoTIFF. */
+/* Whether the name's ending is a raster's, also of a format that this build lacks. */
+bool io_raster_is_name(const char *path);
+/* Whether it is that of a GeoTIFF. */
 bool io_raster_is_tif(const char *path);
 /* Whether it is that of a picture. */
 bool io_raster_is_png(const char *path);

@@ -124,7 +124,7 @@ static bool open_ground(product *p, size_t bands, io_error *error) {
     if (!ground_open(g, error) || (p->window && !ground_find_window(g, p->extent, p->window, error))) return false;
     if (bands == 0) /* a table; an input's name is refused with the others */
         return p->output == NULL || (io_inputs_note_path(g->path) && is_input(p->output)) ||
-               !io_raster_can_write(p->output, 1, error) ||
+               !io_raster_is_name(p->output) ||
                io_fail(error, "%s: is a raster's name, and the result is a table; give -o FILE.csv", p->output);
     return product_check_output(p, error); /* a VRT's sources, known by now */
 }
