@@ -113,8 +113,7 @@ def test_packed_floats_with_wider_ends():
 def test_points_and_normals():
     h = MAPPED.closest(random_rays(MAPPED, 500))
     points, flat, smooth = h.points(), h.normals(), h.normals(True)
-    for values in points, flat, smooth:
-        same(np.isnan(values).any(-1), ~h.hit)
+    assert all((np.isnan(values).any(-1) == ~h.hit).all() for values in (points, flat, smooth))
     # Heights are at most 30 here; a place of at most 600 is off by 2^-52 of it, times slopes of at most 10.
     assert np.nanmax(np.abs(MAPPED.at(points[:, 0], points[:, 1]) - points[:, 2])) < 600 * 2.0**-52 * 100
     assert np.nanmax(np.abs(np.linalg.norm(smooth, axis=-1) - 1)) < 1e-14 and (smooth != flat)[h.hit].any()

@@ -27,10 +27,9 @@ def check(edges, directions, low, high, error=1e-9):
 def test_edges_one_by_one(lands):
     for number in taken(range(400), 80):
         r = np.random.default_rng(number)
-        edges, rows, close = [], [[NEW, 0, 0, 0, 0, 0, 0]], number % 3 == 0
-        size = 5 * BLUR if close else 1  # then nothing but narrow edges is within reach of a look
+        edges, rows, size = [], [[NEW, 0, 0, 0, 0, 0, 0]], 1 if number % 3 else 5 * BLUR  # so that nothing but narrow edges is within reach of a look
         for _ in range(r.integers(1, 61)):
-            heights = np.rint(4 * r.random(2)) / 4 if close else r.random(2)
+            heights = np.rint(4 * r.random(2)) / 4 if size < 1 else r.random(2)
             u, w = edges[-1][2:] if edges and r.random() < 1 / 3 else (size * r.uniform(-1.2, 1.2), heights[0])
             wide = r.choice([0.01 * BLUR, 0, 3 * BLUR, *[0.4 * size] * 5])
             edges.append([u, w, u + r.uniform(-wide, wide), heights[1]])

@@ -8,7 +8,7 @@ import types
 
 import numpy as np
 import pytest
-from program import PROGRAM, SCENE, end, entries, interrupted, needs, open_files, rays, rough, start, write
+from program import PROGRAM, SCENE, end, entries, interrupted, needs, open_files, rays, read, rough, start, write
 from words import wait_until
 
 TRACE = "trace", "large.npy", "many.npy", "--kernel", "brute", "--threads", 2, "-o", "o.npy"
@@ -59,10 +59,9 @@ def test_the_first_process_of_a_container_ends_too():
     if subprocess.run([*container, "true"], stderr=subprocess.DEVNULL).returncode != 0:
         pytest.skip("no namespaces")
     outer = subprocess.Popen([*container, PROGRAM, *map(str, TRACE)], stderr=subprocess.PIPE, text=True)
-    with open(f"/proc/{outer.pid}/task/{outer.pid}/children") as children:
-        wait_until(outer, lambda: children.seek(0) or children.read())
-        children.seek(0)
-        inner = types.SimpleNamespace(pid=int(children.read()))
+    children = f"/proc/{outer.pid}/task/{outer.pid}/children"
+    wait_until(outer, lambda: read(children))
+    inner = types.SimpleNamespace(pid=int(read(children)))
     wait_until(outer, lambda: any(".tmp" in name for name in open_files(inner)))
     os.kill(inner.pid, signal.SIGINT)
     assert outer.communicate()[1] == "cellwalk: interrupted\n" and outer.returncode == 128 + signal.SIGINT and entries() == before
