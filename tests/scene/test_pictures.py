@@ -186,7 +186,7 @@ def make(scenes, kind):
 @pytest.mark.parametrize("kind", ["rough", "full", "landscape"])
 def test_neither_plan_nor_instruction_set_changes_a_pixel(scenes, kind, phong):
     """Fields are asked about rays through their boxes alone, and about fewer with a plan. A scene of each kind is worth its name:
-    all kinds of rays occur, and many pixels are lit. Each moment of a thread belongs to one stage."""
+    all kinds of rays occur, and many pixels are lit."""
     make(scenes, kind)
     pixels, planned = scenes.render(threads=1, phong=phong)
     assert planned.mirror > planned.camera / 10 and planned.shadow > planned.camera / 2 and (pixels[..., 0] > 0.01).mean() > 1 / 3

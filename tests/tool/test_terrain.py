@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""shadow, horizon, viewshed, sun and los as users run them: files in, files out, on made-up land and on a real one."""
+"""shadow, horizon, viewshed, sun and los as users run them: files in, files out, on made-up land."""
 import re
 
 import numpy as np

@@ -6,7 +6,7 @@ import os
 
 import numpy as np
 import pytest
-from program import array, asc, entries, header, info, library, needs, needs_room, npy, rays, read, run, sets, well, write
+from program import array, asc, entries, header, info, library, needs, needs_room, npy, rays, read, run, sets, shell, well, write
 
 N = 2000
 HIT = np.dtype([("t", "<f4"), ("i", "<i4"), ("j", "<i4"), ("triangle", "<u4"), ("u", "<f4"), ("v", "<f4")])
@@ -63,7 +63,7 @@ def test_what_is_said_of_rays():
         done = run("trace", "a.asc", *words)
         assert done.status == status and said in done.err, words
     traced("a.asc", "near.npy", "--user")
-    assert '"rays": 1, "hits": 1' in well("trace", "a.asc", "near.npy", "--user", "--json").out
+    assert '"rays": 1, "hits": 1' in shell("PROGRAM trace a.asc - --user --json < near.npy").stdout
     well("trace", "a.asc", "above.npy", "--user", "-o", "hits.npy", "--quiet")
     assert run("trace", "a.asc", "near.npy", "--user", "--occluded", "-o", "-").bytes.startswith(b"\x93NUMPY")
 
