@@ -188,7 +188,7 @@ static const row table[] = {
     {"leftovers", small_shape, rays_in_turn, painted_stack, 3, 3, 150, 150, .slow = true},
 #define ROWS(rays, name)                                                                                               \
     {"bits " name, same_land, benchmark_rays, recorded, 2, 2, 8192, 8192, true, true, .class = rays}, {                \
-        "stress " name, any_land, benchmark_rays, every_kernel, 4, 1, 15360, 960, true, .hits = 0.02, .class = rays    \
+        "stress " name, any_land, benchmark_rays, every_kernel, 4, 2, 15360, 960, true, .hits = 0.02, .class = rays    \
     }
     ROWS(WORKLOAD_PRIMARY, "primary"),
     ROWS(WORKLOAD_SHADOW, "shadow"),
