@@ -85,7 +85,7 @@ static void read_points(const uint8_t *data, size_t size) {
 
 static void read_picture(const uint8_t *data, size_t size) {
     io_image image;
-    if (!io_image_read(put(PICTURE, data, size), &image, NULL)) return;
+    if (!io_image_read(put(PICTURE, data, size), IO_IMAGE_PIXELS_MAX, &image, NULL)) return;
     for (size_t k = 0; k < image.width * image.height; k++)
         for (size_t c = 0; c < 4; c++)
             sum = sum + image.halves[4 * (k / image.width * (image.width + 2) + k % image.width + 1) + c];

@@ -132,7 +132,7 @@ static bool reads_table(const char *c, char **w, io_error *e) {
 /* Its pixels go into the file halves. */
 static bool reads_image(const char *name, io_error *e) {
     io_image image;
-    const bool good = io_image_read(name, &image, e);
+    const bool good = io_image_read(name, IO_IMAGE_PIXELS_MAX, &image, e);
     stop_unless(good || image.halves == NULL, "pixels are left");
     if (!good) return false;
     FILE *file = fopen("halves", "wb");

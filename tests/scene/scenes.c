@@ -37,7 +37,7 @@ static bool makes_landscape(io_error *e) {
     for (int k = 0; k < NX * NY; k++) z[k] = (float)random_between(&r, -3, 3);
     if (field == NULL) cw_field_create(&(cw_field_desc){.samples = z, .nx = NX, .ny = NY}, NULL, &field);
     io_image colours;
-    stop_unless(field && io_image_allocate(&colours, 2, 1, "", e), "landscape");
+    stop_unless(field && io_image_allocate(&colours, 2, 1, 2, "", e), "landscape");
     for (int k = 0; k < 6; k++) colours.halves[4 + k / 3 * 4 + k % 3] = half_from_float(0.25f + 0.125f * (float)k);
     return keep(landscape_create(&(landscape_desc){.field = field,
                                                    .samples = z,

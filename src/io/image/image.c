@@ -8,7 +8,7 @@
 
 typedef struct image_format {
     const char *ending;
-    bool (*read)(const char *path, io_image *image, io_error *error);
+    bool (*read)(const char *path, size_t most, io_image *image, io_error *error);
     bool (*write)(io_output *out, const io_image *image, io_error *error);
 } image_format;
 
@@ -43,17 +43,17 @@ bool io_image_put(io_output *out, const io_image *image, io_error *error) {
     return format != NULL && format->write(out, image, error);
 }
 
-bool io_image_read(const char *path, io_image *image, io_error *error) {
+bool io_image_read(const char *path, size_t most, io_image *image, io_error *error) {
     *image = (io_image){0};
     const image_format *format = format_of(path, false, error);
-    return format != NULL && format->read(path, image, error);
+    return format != NULL && format->read(path, most, image, error);
 }
 
-bool io_image_allocate(io_image *image, size_t width, size_t height, const char *path, io_error *error) {
+bool io_image_allocate(io_image *image, size_t width, size_t height, size_t most, const char *path, io_error *error) {
     *image = (io_image){.width = width, .height = height};
-    if (width != 0 && height > IO_IMAGE_PIXELS_MAX / width)
-        return io_fail(error, "%s: %zu x %zu pixels are more than %d, the most that are read", path, width, height,
-                       IO_IMAGE_PIXELS_MAX);
+    if (width != 0 && height > most / width)
+        return io_fail(error, "%s: %zu x %zu pixels are more than %zu, for which there is room", path, width, height,
+                       most);
     image->halves = large_allocate((2 * (width + 2) * height + IO_IMAGE_ROOM) * 4 * sizeof *image->halves);
     return image->halves != NULL || io_fail(error, "%s: no memory for %zu x %zu pixels", path, width, height);
 }

@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The most pixels that a picture is read or rendered with: 3 GiB of floats. */
+/* The most pixels that a picture is rendered with, and a scene's images have together: 3 GiB of floats. */
 enum { IO_IMAGE_PIXELS_MAX = 1 << 28 };
 /* No compression packs pictures closer, be they of one colour: blocks of 8 x 8 pixels become one value, and zlib packs such
  * values by 1032 to 1 at best. A file of a few bytes can claim any number of pixels. */
@@ -29,18 +29,18 @@ typedef struct io_image {
  * sRGB). */
 bool io_image_put(io_output *out, const io_image *image, io_error *error);
 
-/* Reads .exr (any channel types, R G B or Y). The caller frees the pixels with io_image_free. */
-bool io_image_read(const char *path, io_image *image, io_error *error);
+/* Reads .exr (any channel types, R G B or Y) of at most that many pixels. The caller frees them with io_image_free. */
+bool io_image_read(const char *path, size_t most, io_image *image, io_error *error);
 /* Allocates a picture's halves; false, with error, if they are too many or memory is short. Nothing is set. path: the name
  * in the error message. */
-bool io_image_allocate(io_image *image, size_t width, size_t height, const char *path, io_error *error);
+bool io_image_allocate(io_image *image, size_t width, size_t height, size_t most, const char *path, io_error *error);
 void io_image_free(io_image *image);
 
 /* True if the ending is one that this build can write; else error lists those that it can. */
 bool io_image_can_write(const char *path, io_error *error);
 
 /* The formats, each behind its library. On failure there is nothing to free. */
-bool io_exr_read(const char *path, io_image *image, io_error *error);
+bool io_exr_read(const char *path, size_t most, io_image *image, io_error *error);
 bool io_exr_put(io_output *out, const io_image *image, io_error *error);
 bool io_png_put(io_output *out, const io_image *image, io_error *error);
 

@@ -95,6 +95,7 @@ typedef struct reader {
     exr_context_t context;
     exr_decode_pipeline_t decoder;
     bool grey; /* Y alone */
+    size_t most;
     io_image *image;
 } reader;
 
@@ -172,7 +173,7 @@ static bool read_started(reader *r, uint64_t file_size, const char *path, io_err
     if ((uint64_t)width * (uint64_t)height / IO_EXR_PIXELS_PER_BYTE_MAX > file_size)
         return io_fail(error, "%s: %lld x %lld pixels are more than %llu bytes can hold", path, (long long)width,
                        (long long)height, (unsigned long long)file_size);
-    if (!io_image_allocate(r->image, (size_t)width, (size_t)height, path, error)) return false;
+    if (!io_image_allocate(r->image, (size_t)width, (size_t)height, r->most, path, error)) return false;
     if (!decode(r, storage == EXR_STORAGE_TILED, window.min.y)) {
         io_image_free(r->image);
         return io_fail(error, "%s: cannot read: %s", path, first_message);
@@ -183,8 +184,8 @@ static bool read_started(reader *r, uint64_t file_size, const char *path, io_err
     return true;
 }
 
-bool io_exr_read(const char *path, io_image *image, io_error *error) {
-    reader r = {.image = image, .decoder = EXR_DECODE_PIPELINE_INITIALIZER};
+bool io_exr_read(const char *path, size_t most, io_image *image, io_error *error) {
+    reader r = {.most = most, .image = image, .decoder = EXR_DECODE_PIPELINE_INITIALIZER};
     uint64_t size;
     const int file = io_file_open(path, &size, error);
     if (file < 0) return false;

@@ -29,18 +29,15 @@ static bool read_image(pbrt_state *p, const pbrt_site *site, const char *filenam
     *out = more[s->texture_count++] = new;
     io_image image;
     io_error why;
-    const bool read = io_image_read(path, &image, &why) || pbrt_fail(site, error, "%s", why.text);
+    const size_t left = IO_IMAGE_PIXELS_MAX - p->pixels;
+    const bool read = io_image_read(path, left, &image, &why) || pbrt_fail(site, error, "%s", why.text);
     free(path);
     if (!read) return false;
-    const size_t pixels = image.width * image.height;
-    bool good = pixels <= IO_IMAGE_PIXELS_MAX - p->pixels ||
-                pbrt_fail(site, error, "the scene's images have more than %d pixels in all", IO_IMAGE_PIXELS_MAX);
-    if (good && !texture_fill(new, &image))
-        good =
-            pbrt_fail(site, error, "%zu x %zu pixels are too many for their smaller copies", image.width, image.height);
-    if (!good) io_image_free(&image);
-    p->pixels += pixels;
-    return good;
+    p->pixels += image.width * image.height;
+    if (texture_fill(new, &image)) return true;
+    pbrt_fail(site, error, "%zu x %zu pixels are too many for their smaller copies", image.width, image.height);
+    io_image_free(&image);
+    return false;
 }
 
 bool pbrt_texture_define(pbrt_state *p, const pbrt_site *site, io_error *error) {

@@ -146,7 +146,7 @@ static bool tint_heights(io_image *colours, const terrain *t, io_error *error) {
     const double low = (double)info.low * metres, high = (double)info.high * metres;
     const size_t columns = t->nx - 1 < TEXELS_MOST ? t->nx - 1 : TEXELS_MOST;
     const size_t rows = t->ny - 1 < TEXELS_MOST ? t->ny - 1 : TEXELS_MOST;
-    if (!io_image_allocate(colours, columns, rows, "the field's colours", error)) return false;
+    if (!io_image_allocate(colours, columns, rows, IO_IMAGE_PIXELS_MAX, "the field's colours", error)) return false;
     for (size_t y = 0; y < rows; y++)
         for (size_t x = 0; x < columns; x++)
             tint(cw_terrain_height(t, texel_place(x, columns, t->nx), texel_place(y, rows, t->ny)), low, high,
