@@ -6,7 +6,7 @@
 typedef enum fault_kind {
     FAULT_MEMORY, /* an allocation */
     FAULT_WRITE,  /* writing, flushing, closing, reserving room, rights, bringing to the disk */
-    FAULT_RENAME, /* renaming, linking */
+    FAULT_RENAME, /* renaming */
     FAULT_OPEN,
     FAULT_READ,   /* reading, asking for a size or a link */
     FAULT_THREAD, /* starting one */

@@ -141,24 +141,21 @@ FAILING(size_t, fwrite, (const void *bytes, size_t size, size_t n, FILE *file), 
 FAILING(int, fflush, (FILE * file), file != stderr && fails(FAULT_WRITE), EOF, EIO, file)
 FAILING(int, fallocate, (int fd, int mode, off_t offset, off_t length), fails(FAULT_WRITE), -1, ENOSPC, fd, mode,
         offset, length)
+FAILING(int, fclose, (FILE * file), fails(FAULT_WRITE) && next(file) <= 0, EOF, EDQUOT, file)
 FAILING(int, fsync, (int fd), fails(FAULT_WRITE), -1, EIO, fd)
 FAILING(int, fchmod, (int fd, mode_t mode), fails(FAULT_WRITE), -1, EPERM, fd, mode)
+FAILING(int, fchown, (int fd, uid_t owner, gid_t group), fails(FAULT_WRITE), -1, EPERM, fd, owner, group)
+FAILING(ssize_t, pwrite, (int fd, const void *bytes, size_t size, off_t offset), fails(FAULT_WRITE), -1, ENOSPC, fd,
+        bytes, size, offset)
 FAILING(int, rename, (const char *from, const char *to), fails(FAULT_RENAME), -1, EACCES, from, to)
-FAILING(int, linkat, (int from_at, const char *from, int to_at, const char *to, int flags), fails(FAULT_RENAME), -1,
-        EACCES, from_at, from, to_at, to, flags)
 FAILING(FILE *, fopen, (const char *path, const char *mode), fails(FAULT_OPEN), NULL, EMFILE, path, mode)
 FAILING(FILE *, fdopen, (int fd, const char *mode), fails(FAULT_OPEN), NULL, ENOMEM, fd, mode)
 FAILING(ssize_t, pread, (int fd, void *to, size_t size, off_t offset), fails(FAULT_READ), -1, EIO, fd, to, size, offset)
+/* With glibc's mark of an error. */
+FAILING(size_t, fread, (void *to, size_t size, size_t n, FILE *file), fails(FAULT_READ) && (file->_flags |= 0x20) != 0,
+        0, EIO, to, size, n, file)
 FAILING(int, fstat, (int fd, struct stat *about), fails(FAULT_READ), -1, EIO, fd, about)
 FAILING(ssize_t, readlink, (const char *path, char *to, size_t size), fails(FAULT_READ), -1, EIO, path, to, size)
-
-EXPORTED int fclose(FILE *file) {
-    NEXT(int, "fclose", (FILE *));
-    const bool fail = fails(FAULT_WRITE);
-    const int result = next(file);
-    if (fail) errno = EDQUOT;
-    return fail ? EOF : result;
-}
 
 EXPORTED int open(const char *path, int flags, ...) {
     NEXT(int, "open", (const char *, int, ...));
@@ -169,14 +166,6 @@ EXPORTED int open(const char *path, int flags, ...) {
     if (!fails(FAULT_OPEN)) return next(path, flags, mode);
     errno = EMFILE;
     return -1;
-}
-
-EXPORTED size_t fread(void *to, size_t size, size_t n, FILE *file) {
-    NEXT(size_t, "fread", (void *, size_t, size_t, FILE *));
-    if (!fails(FAULT_READ)) return next(to, size, n, file);
-    errno = EIO;
-    file->_flags |= 0x20; /* glibc's mark of an error */
-    return 0;
 }
 
 typedef struct start {
