@@ -9,7 +9,7 @@ import threading
 
 import numpy as np
 import pytest
-from program import needs, on_map, run, vrt, write
+from program import needs, on_map, refused, run, vrt, write
 
 
 @pytest.fixture(autouse=True)
@@ -24,11 +24,6 @@ def hide(name, source):
     text = open(name).read().replace(' relativeToVRT="1"', "").replace("ComplexSource", "SimpleSource").replace("<NODATA>-9999</NODATA>", "")
     write(name, text)
     return text
-
-
-def is_refused(words, *arguments):
-    done = run(*arguments)
-    assert done.status == 1 and words in done.err, (arguments, done.status, done.err)
 
 
 # ---- doors ----------------------------------------------------------------------------------------------------------------
@@ -46,9 +41,9 @@ def test_pipes_are_refused():
                       ("/vsigzip/pipe", "not a regular file"), ("/vsigzip//vsistdin/", "not a regular file"),
                       ("/vsizip/pipe/a.tif", "not a regular file"), ("/vsisubfile/0_99,pipe", "not a regular file"),
                       ("GTIFF_DIR:1:pipe", "not a regular file"), ('NETCDF:"pipe":z', "not a regular file")]:
-        is_refused(why, "info", name)
+        refused(1, why, "info", name)
     os.symlink("pipe", "pipe.geojson")
-    is_refused("not a regular file", "viewshed", "field.npy", "--observers", "pipe.geojson", "-o", "o.npy")
+    refused(1, "not a regular file", "viewshed", "field.npy", "--observers", "pipe.geojson", "-o", "o.npy")
 
 
 ADDRESS = "MEM:::DATAPOINTER=1,PIXELS=4,LINES=4,DATATYPE=Float32"
@@ -61,10 +56,18 @@ def test_names_are_files(name):
     """A name may hold an address in memory, or text in which one stands; entities hide the name in the text of a VRT."""
     text = hide("hidden.vrt", name)
     for file in name, "hidden.vrt", text, " " + text:
-        is_refused("cannot read", "info", file)
-    is_refused("cannot read", "viewshed", "field.npy", "--observers", name, "-o", "out.npy")
-    is_refused("cannot read", "viewshed", "field.npy", "--from", "0,0", "--table", "t.csv", "--within", name, "-o", "out.npy")
-    is_refused("cannot read", "horizon", "field.npy", "--places", name)
+        refused(1, "cannot read", "info", file)
+    refused(1, "cannot read", "viewshed", "field.npy", "--observers", name, "-o", "out.npy")
+    refused(1, "cannot read", "viewshed", "field.npy", "--from", "0,0", "--table", "t.csv", "--within", name, "-o", "out.npy")
+    refused(1, "cannot read", "horizon", "field.npy", "--places", name)
+
+
+def test_python_never_runs():
+    """Not even that of a module which the environment trusts."""
+    write("module.py", "open('ran', 'w')\n")
+    write("code.vrt", hide("code.vrt", "grid.asc").replace('band="1">', 'band="1" subClass="VRTDerivedRasterBand"><PixelFunctionLanguage>Python'
+          "</PixelFunctionLanguage><PixelFunctionType>module.run</PixelFunctionType>"))
+    refused(1, "disabled", "info", "code.vrt", env={"GDAL_VRT_PYTHON_TRUSTED_MODULES": "module", "PYTHONPATH": os.getcwd()})
 
 
 # ---- the network ----------------------------------------------------------------------------------------------------------
