@@ -6,7 +6,7 @@ import subprocess
 import numpy as np
 import pytest
 import rasterio
-from program import PROGRAM, entries, read, write
+from program import PROGRAM, entries, on_map, read, vrt, write
 from rasterio.transform import Affine
 
 NX, NY, UTM = 5, 4, Affine(10, 0, 600000, 0, -10, 5200000)
@@ -116,9 +116,7 @@ def test_units_are_known(files, crs, unit, zscale, metres, map_unit):
 def test_units_of_other_formats(files):
     """A GeoTIFF passes the vertical unit of its system off as the band's; other formats do not."""
     tif(crs="EPSG:26918+6360")
-    write("a.vrt", "<VRTDataset rasterXSize='5' rasterYSize='4'><SRS>EPSG:26918+6360</SRS><GeoTransform>0, 1, 0, 0, 0, -1</GeoTransform>"
-          "<VRTRasterBand dataType='Float32' band='1'><SimpleSource><SourceFilename relativeToVRT='1'>a.tif</SourceFilename></SimpleSource>"
-          "</VRTRasterBand></VRTDataset>")
+    vrt("a.vrt", "a.tif", (NY, NX), on_map("26918+6360", 0, 1, 0, 0, 0, -1))
     found = files.raster("a.vrt")
     assert abs(found.map[2, 2] - SURVEY) < 1e-12 and (found.z == values()).all()
 
@@ -197,25 +195,15 @@ def test_missing_rows_leave_nothing(files):
 
 
 def test_pictures(files):
-    """Three bytes a pixel are its colours."""
-    cells = (7 * np.arange(3 * NX * NY)).astype("u1")
-    cells.tofile("cells")
-    files("raster write", "out.png", f"nx={NX} ny={NY}")
-    with rasterio.open("out.png") as file:
-        assert (np.moveaxis(file.read(), 0, 2).ravel() == cells).all()
-    files.refused("", "can write", "out.png", 2)
-    files.refused(".tif", "can write", "out.gif", 1)
-
-
-def test_pictures_have_a_place(files):
-    """A picture of a terrain with a map has a world file, which appears and fails with it."""
-    turned = Affine(3, 4, 1000, 4, -3, 2000)
+    """Three bytes a pixel are its colours. A terrain with a map has a world file, which appears and fails with the picture."""
+    turned, cells, words = Affine(3, 4, 1000, 4, -3, 2000), (7 * np.arange(3 * NX * NY)).astype("u1"), f"nx={NX} ny={NY}"
     files.raster(tif(transform=turned))
-    write("cells", bytes(3 * NX * NY))
-    words = f"nx={NX} ny={NY}"
+    cells.tofile("cells")
     files("raster write", "out.png", words)
     with rasterio.open("out.png") as file:
-        assert file.transform == turned
+        assert file.transform == turned and (np.moveaxis(file.read(), 0, 2).ravel() == cells).all()
+    files.refused("", "can write", "out.png", 2)
+    files.refused(".tif", "can write", "out.gif", 1)
     write("out.pgw", "old")
     before = entries()
     write("cells", bytes(3 * NX))  # rows that are missing leave what was there

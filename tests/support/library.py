@@ -6,8 +6,7 @@ import pathlib
 import re
 
 import numpy as np
-import pytest
-from words import Program
+from words import Program, fixture_of
 
 SOURCE = pathlib.Path(os.environ["CELLWALK_SOURCE"])
 HEADERS = "".join((SOURCE / "include" / name).read_text() for name in ("cellwalk.h", "cellwalk_expert.h", "cellwalk_terrain.h"))
@@ -222,6 +221,10 @@ class Lands(Library):
     land_now = eyes = None
     sums = ()
 
+    def __init__(self):
+        super().__init__()
+        self.threads = self.pool(4)
+
     def forget(self):
         made = *(("insolation", sum) for sum in self.sums), ("visible", self.eyes), ("terrain", self.land_now), *(("field", field) for field in self.fields)
         for what, address in made:
@@ -357,16 +360,4 @@ class Lands(Library):
         return self.fields[0], np.array(rows), difference[0]
 
 
-@pytest.fixture
-def library(folder):
-    program = Library()
-    yield program
-    program.end()
-
-
-@pytest.fixture
-def lands(folder):
-    program = Lands()
-    program.threads = program.pool(4)
-    yield program
-    program.end()
+library, lands = map(fixture_of, (Library, Lands))
