@@ -80,9 +80,9 @@ def test_embree_agrees_and_its_fastest_width_is_marked(tmp_path):
 
 def test_bullet_agrees_without_its_accelerator(tmp_path):
     _, lines = measure(tmp_path, "65/random,shadow default,bullet agree,error\n")
-    for line in lines:
-        if "left_out" not in line:
-            assert line["agreement"]["why"]["other"] == 0 and line["wrong_per_million"] == 0
+    if any("left_out" in line for line in lines):
+        pytest.skip("built without Bullet")
+    assert all(line["agreement"]["why"]["other"] == 0 and line["wrong_per_million"] == 0 for line in lines)
 
 
 def test_a_line_with_instruction_sets(tmp_path):

@@ -20,6 +20,8 @@ def in_child(function, *arguments):
     child = multiprocessing.get_context("fork").Process(target=function, args=arguments)
     child.start()
     child.join()
+    if child.exitcode == 77:
+        pytest.skip("this system has no calls of i386")
     assert child.exitcode == 0
 
 
@@ -75,7 +77,7 @@ def test_no_call_of_another_architecture():
     def attack():
         getpid, socketcall, of_socket = 20, 102, 359
         if call_i386(getpid) <= 0:
-            return  # this system has none
+            sys.exit(77)
         close_network()
         assert [call_i386(number) for number in (getpid, socketcall, of_socket)] == [-errno.EACCES] * 3
     in_child(attack)

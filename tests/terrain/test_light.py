@@ -43,14 +43,21 @@ def rough(kind, r, nx=SIDE, ny=SIDE):
 def test_a_wall_before_the_disc(lands, strips):
     """A long wall as high as the middle of the sun hides half of it, and more or less by a segment of the disc. The sum over
     strips, in which the part that is seen falls from the middle strip outward, is off by no more than half of the largest strip's
-    share on each side. Away from the middle the wall is farther off: by 1 / cos of 2 degrees over cos of the altitude."""
+    share on each side. Away from the middle the wall is farther off: each strip is cut at its top on the strip's own azimuth, to the
+    rounding of floats, and the disc's part lies between those of the tops before its middle and its outermost strip."""
     lands.land(WALL)
     radius, cases = 2, [(south, u) for south in range(4, 40, 7) for u in np.arange(-1.25, 1.26, 0.25)]  # the top over the middle, in radii
+    aside = np.append((2 * np.arange(strips) + 1) / strips - 1, 0)
+    half = np.sqrt(1 - aside[:-1]**2)
     for south, u in taken(cases, 7):
-        top = np.degrees(np.arctan(50 / (CELL * south)))
-        share = lands.product("sunlight", light(altitude=top - u * radius, radius=radius, strips=strips))[MIDDLE + south, MIDDLE]
-        v = np.clip(u, -1, 1)
-        assert abs(share - (np.arccos(v) - v * np.sqrt(1 - v * v)) / np.pi) <= 4 / (np.pi * strips) + 0.04, (south, u)
+        altitude = np.degrees(np.arctan(50 / (CELL * south))) - u * radius
+        share = lands.product("sunlight", light(altitude=altitude, radius=radius, strips=strips))[MIDDLE + south, MIDDLE]
+        away = np.cos(np.radians(aside * radius / np.cos(np.radians(altitude))))
+        tops = (np.degrees(np.arctan(50 / (CELL * south) * away)) - altitude) / radius
+        assert abs(share - np.clip(half - tops[:-1], 0, 2 * half).sum() / (2 * half.sum())) < 1e-5, (south, u)
+        v = np.clip(tops[[-1, 0]], -1, 1)
+        least, most = (np.arccos(v) - v * np.sqrt(1 - v * v)) / np.pi
+        assert least - 4 / (np.pi * strips) <= share <= most + 4 / (np.pi * strips), (south, u)
 
 
 def test_a_tiny_disc_is_a_point(lands):

@@ -55,6 +55,8 @@ def test_examples(program):
         assert lines
         for line in [line for k, line in enumerate(lines) if takes(k, 4) and not any(ending in line for ending in lacking)]:
             command, more = re.sub(r" > .*", "", line.split("#")[0]), ""
+            plan = re.match(r"cellwalk-bench measure (\w+) ", line)
+            assert not plan or os.path.exists(f"{SOURCE}/bench/plans/{plan[1]}.plan"), line
             if not line.startswith("cellwalk ") or " --isa " in line:  # an instruction set may be missing on this machine
                 more = " --help"
             elif line.startswith("cellwalk render "):  # one sample a pixel, and few pixels unless the line crops them: later options win
