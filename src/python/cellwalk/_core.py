@@ -27,7 +27,7 @@ version = ffi.string(lib.cw_version()).decode()
 
 
 def c_text(text: str | bytes) -> bytes:
-    """Bytes are a path. Other names with a character that C cannot have are those of nothing, as they are with a question mark."""
+    """Bytes are a path. In other names, characters that C cannot have become question marks, so nothing has such a name."""
     if isinstance(text, str):
         return text.encode(errors="replace").replace(b"\0", b"?")
     if b"\0" in text:

@@ -54,7 +54,7 @@ def _coarser(core, work, factor, filter):
     difference, made = ffi.new("cw_difference *"), owner("cw_field **", lib.drop_field)
     work.check(lib.cw_field_coarser(core.field, work.run, factor, filter, made, difference, ffi.sizeof(difference[0])))
     rows, columns = (-(-(n - 1) // factor) + 1 for n in core.shape)
-    first = ffi.gc(lib.cw_field_row(made[0], 0), [made].count)  # the samples keep the field; no Python runs in the end, which would drop Ctrl-C
+    first = ffi.gc(lib.cw_field_row(made[0], 0), [made].count)  # keeps made as long as the samples; no Python code runs, which drops Ctrl-C
     samples = np.frombuffer(ffi.buffer(first, 4 * rows * columns), np.float32).reshape(rows, columns)
     return made, samples, Difference(difference.above, difference.below, difference.rms, difference.lost, difference.made)
 

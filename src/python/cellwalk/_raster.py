@@ -106,8 +106,8 @@ def find_place(wkt: str, x: float, y: float) -> tuple[float, float, float]:
 
 def read_raster(path: str, band: int, nodata: Optional[float] = None, cellsize: float = 0.0, zscale: float = 0.0,
                 window: Optional[tuple[int, int, int, int]] = None, progress=None) -> tuple[Source, list[str]]:
-    """Returns the raster and its warnings. Band 0 is the first. window: column, row, columns and rows, all zero for all; None: of the header alone, if the format has
-    windows."""
+    """Returns the raster and its warnings. Band 0 is the first. window: column, row, columns and rows, all zero for all; None: only the
+    header, if the format has windows."""
     column, row, columns, rows = window or (0, 0, 0, 0)
     work, raster = Work(path, progress=progress), ffi.gc(ffi.new("io_raster *"), lib.io_raster_free)
     values = ffi.new("double[]", [] if nodata is None else [nodata])

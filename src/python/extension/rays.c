@@ -79,6 +79,6 @@ cw_status rays_trace(const rays *r, const cw_field *field, work *w, cw_hit *hits
     /* A pool's threads are woken only for as many rays as the library wakes them for. */
     cw_pool_run(r->n < 2 * BLOCK ? NULL : w->run.pool, r->n, r->n < (size_t)PIECE * 64 ? BLOCK : PIECE, trace_blocks,
                 &t);
-    if (atomic_load(&t.status) != CW_OK) trace_blocks(&t, 0, 1); /* cw_last_error is this thread's */
+    if (atomic_load(&t.status) != CW_OK) trace_blocks(&t, 0, 1); /* fails alike, with the text in this thread */
     return (cw_status)atomic_load(&t.status);
 }

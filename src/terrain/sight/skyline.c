@@ -94,9 +94,6 @@ static void put_in_place(skyline *s, uint32_t first, uint32_t last, size_t n) {
     leave_out(s, at, behind);
 }
 
-/* fmax and fmin are calls into the library. */
-static inline double larger(double a, double b) { return a > b ? a : b; }
-
 static float rounded_up(double x) { return x > 0 ? (float)(x * (1 + 0x1p-22)) : 0; }
 
 static void leave_room(skyline_piece *p, double above) {
@@ -134,7 +131,8 @@ void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const doubl
         const double left_e = edge.a + edge.b * left, right_e = edge.a + edge.b * right;
         const double over_left = left_e - left_w, over_right = right_e - right_w;
         /* The lower of the two lines may be higher by that. */
-        const double rounding = skyline_rounding(larger(fabs(left_e), fabs(right_e)), fabs(edge.b) + fabs(p[last].b));
+        const double rounding =
+            skyline_rounding(skyline_larger(fabs(left_e), fabs(right_e)), fabs(edge.b) + fabs(p[last].b));
         if (!make_room(s, n + 4)) {
             s->failed = true;
             return;
@@ -144,11 +142,11 @@ void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const doubl
             if (below > (double)edge.below) edge.below = below < 1e30 ? nextafterf((float)below, INFINITY) : INFINITY;
         }
         if (over_left > 0 && over_right > 0) {
-            edge.above = rounded_up((double)p[last].above + rounding + larger(-over_left, -over_right));
+            edge.above = rounded_up((double)p[last].above + rounding + skyline_larger(-over_left, -over_right));
             n = put(s->cuts, n, left, &edge);
             higher = true;
         } else if (!(over_left > 0 || over_right > 0)) {
-            leave_room(&s->pieces[last], rounding + larger(over_left, over_right));
+            leave_room(&s->pieces[last], rounding + skyline_larger(over_left, over_right));
             n = put(s->cuts, n, left, &p[last]);
         } else {
             edge.above = rounded_up((double)p[last].above + rounding);

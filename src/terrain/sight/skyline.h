@@ -15,6 +15,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* b if a is NaN. fmax is a call into the library. */
+static inline double skyline_larger(double a, double b) { return a > b ? a : b; }
+
 #define SKYLINE_BLUR 0x1p-19
 
 typedef struct skyline_piece {

@@ -20,7 +20,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, BESIDE = 3, LOWS_EVERY = 4 };
+enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, BESIDE = 3 };
+
+/* Rows after which the bins' lows are found again. The skyline only rises, so those of earlier rows are bounds too. */
+enum { LOWS_EVERY = 4 };
 
 /* Whether something next to the eye may be that high at a distance. A direction at a border of two ranges, as far as rounding can
  * tell, has the steeper rise. */
@@ -42,7 +45,7 @@ static void look_around(sweep_part *p) {
             direction[end][p->swapped ? 1 : 0] = p->from + (k + end) * ((p->until - p->from) / SWEEP_AROUND);
         }
         p->around[k] = cw_sight_around(p->sight, direction[0], direction[1]);
-        p->around_most = sweep_larger(p->around[k], p->around_most);
+        p->around_most = skyline_larger(p->around[k], p->around_most);
     }
 }
 
@@ -80,17 +83,19 @@ static void append(const sweep_part *p, long row, span *seen, long i) {
     seen->count++;
 }
 
-/* Goes over samples of the row, off the range's ends, that one piece of the skyline shows to be seen or hidden: as far as the first
- * that it does not decide. */
+/* Passes samples of the row, off the range's ends, that one piece of the skyline shows to be seen or hidden. Returns the first sample
+ * that needs more. */
 static long pass_decided(const sweep_part *p, long row, long i, long end, uint32_t *start, span *seen) {
     const double r = sweep_distance(p, row), per_row = 1 / r, error = sweep_error(p, r), margin = p->margin;
     const bool right = p->from >= 0, ground = p->target == 0;
-    const double *leans = (right == (p->outward > 0) ? p->front : p->back) - right;
+    /* The triangle before sample i, seen from the eye: on its left if the range lies right of the eye. */
+    const double *leans = right == (p->outward > 0) ? p->front : p->back;
     const skyline_piece *piece = p->line.pieces + *start;
     double next = p->line.pieces[piece->next].from;
     for (; i < end; i++) {
-        if (ground && leans[i] > margin) continue;
-        const double u = ((double)i - p->aside) * per_row, h = p->far_height[i] + p->target, top = h * per_row;
+        const double lean = leans[i - right], u = ((double)i - p->aside) * per_row, h = p->far_height[i] + p->target,
+                     top = h * per_row;
+        if (ground && lean > margin) continue;
         while (next <= u - SKYLINE_BLUR) {
             *start = piece->next;
             piece = p->line.pieces + *start;
@@ -99,7 +104,7 @@ static long pass_decided(const sweep_part *p, long row, long i, long end, uint32
         const double rise = piece->a + piece->b * u;
         if (next < u + SKYLINE_BLUR) break;
         if (top < rise - (double)piece->below - error) continue;
-        if (!(top > rise + error && leans[i] < -margin) || reaches_around(p, u, r, h)) break;
+        if (!(top > rise + error && lean < -margin) || reaches_around(p, u, r, h)) break;
         append(p, row, seen, i);
     }
     return i;
@@ -135,8 +140,8 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
         /* On these ways all samples before count, and the skyline is unsure: beside holes, and where edges lead to the eye. Each way
          * would be followed to the eye. */
         if (every && r >= 1 && (x == 0 || (on_samples && fabs(x) == r))) {
-            way.low = sweep_larger((p->ahead - error) * r, way.low);
-            p->ahead = sweep_larger(h * per_row, p->ahead);
+            way.low = skyline_larger((p->ahead - error) * r, way.low);
+            p->ahead = skyline_larger(h * per_row, p->ahead);
         }
         if (every && !all && h * per_row > high + error && leans < -p->margin && !reaches_around(p, u, r, h)) {
             append(p, row, &seen, i);
@@ -148,7 +153,7 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
             way.rise = most * r;
             way.error = most == -INFINITY ? 0 : (most - least + doubt + 0x1p-48 * p->size) * r;
             way.unsure.close = reach < least - error ? 0 : 2;
-            way.unsure.eye = reaches_around(p, u, r, sweep_larger(least * r, h) - error * r);
+            way.unsure.eye = reaches_around(p, u, r, skyline_larger(least * r, h) - error * r);
         }
         if (!(all || every) && top > high + error && p->target >= 0) {
             way.unsure.close = leans < -p->margin ? 0 : 2;
@@ -193,8 +198,8 @@ static void visit_calm(sweep_part *p, long row, const float *far, long begin, lo
     }
 }
 
-/* What the bins from begin up to end know of the skyline, after edges were added up to direction reached; lows: also how low it is,
- * for which an old bound would do. A bin behind them may have had its start in a piece that is gone, since pieces on one line
+/* Finds each bin's start in the skyline, from begin up to end, after edges were added up to direction reached; lows: also how low the
+ * skyline is there. A bin behind them may have had its start in a piece that is gone, since pieces on one line
  * become one. */
 static void look_again(sweep_part *p, size_t begin, size_t end, double reached, bool lows) {
     uint32_t start = begin > 0 ? p->of[begin - 1].start : SKYLINE_FIRST;
@@ -233,13 +238,13 @@ static void look_at(sweep_part *p, long row, const float *far, size_t begin, siz
         cw_sweep_add_row(p, r, from, until, start);
     }
     uint32_t at = start;
-    const bool every =
-        p->target == INFINITY; /* to these alone reach matters, and their last digits may depend on the bounds */
+    /* Needed heights use reach, and their last digits may depend on the bounds. Else all bins are one. */
+    const bool every = p->target == INFINITY;
     const size_t bins = every ? 1 : end - begin;
     for (size_t b = begin; b < end; b += bins) {
         const long next = b + bins < end ? bin_begin(p, r, b + bins) : right;
         const double *high = p->of[b].high;
-        at = visit_row(p, row, left, next, at, sweep_larger(high[0], sweep_larger(high[1], high[2])));
+        at = visit_row(p, row, left, next, at, skyline_larger(high[0], skyline_larger(high[1], high[2])));
         left = next;
     }
     if (p->near) cw_sweep_add_between(p, r, from, until, start);
@@ -257,7 +262,7 @@ static double highest(const sweep_part *p, const float *z, const sweep_lowering 
     /* Between two places the lowering is less than at the lower one by at most that. */
     const double a = (double)from - p->aside, b = (double)until - p->aside;
     const double fall_a = q->one + a * (q->two + a * q->three), fall_b = q->one + b * (q->two + b * q->three);
-    const double fall = -sweep_larger(-fall_a, -fall_b) - 0.25 * sweep_larger(q->three, 0) * (b - a) * (b - a),
+    const double fall = -skyline_larger(-fall_a, -fall_b) - 0.25 * skyline_larger(q->three, 0) * (b - a) * (b - a),
                  eye = p->sight->eye[2];
     return (double)high - eye - fall + 0x1p-46 * (fabs((double)high) + fabs(eye) + fabs(fall));
 }
@@ -271,7 +276,7 @@ static void go_on(sweep_part *p, long row, const float *far) {
     const double r = sweep_distance(p, row), per_row = 1 / r;
     const sweep_lowering q = sweep_lowering_of(p, row);
     const bool every = p->target == INFINITY; /* then edges alone say where the skyline may grow */
-    const double target = every ? 0 : sweep_larger(p->target, 0), error = sweep_error(p, r);
+    const double target = every ? 0 : skyline_larger(p->target, 0), error = sweep_error(p, r);
     const long first = sweep_clipped(p, floor(p->aside + r * p->from) - 1),
                last = sweep_clipped(p, ceil(p->aside + r * p->until) + 2);
     const size_t cells = (size_t)(last - first) + 2 * SWEEP_PAD;

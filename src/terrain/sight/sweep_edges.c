@@ -55,8 +55,8 @@ void cw_sweep_lean(sweep_part *p, double r, long begin, long end) {
         const double back = f[i + b] - far * ((double)(i + b) - p->aside) - side_b * r;
         p->front[i] = front;
         p->back[i] = back;
-        most_step = sweep_larger(fabs(near) + fabs(side_a), sweep_larger(fabs(far) + fabs(side_b), most_step));
-        most_height = sweep_larger(fabs(n[i]), sweep_larger(fabs(f[i]), most_height));
+        most_step = skyline_larger(fabs(near) + fabs(side_a), skyline_larger(fabs(far) + fabs(side_b), most_step));
+        most_height = skyline_larger(fabs(n[i]), skyline_larger(fabs(f[i]), most_height));
         holes |= isnan(front + back);
     }
     const double *fall = p->sight->fall, wide = (r + 2) * (r + 2);

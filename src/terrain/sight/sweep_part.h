@@ -74,8 +74,6 @@ static inline sweep_lowering sweep_lowering_of(const sweep_part *p, long row) {
     return p->swapped ? (sweep_lowering){f[0] * y * y, f[1] * y, f[2]} : (sweep_lowering){f[2] * y * y, f[1] * y, f[0]};
 }
 
-static inline double sweep_larger(double a, double b) { return a > b ? a : b; } /* b if a is NaN */
-
 /* Bound on the difference of the skyline from the results of sight.c, for its edges and for those that were not
  * added. */
 static inline double sweep_error(const sweep_part *p, double r) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The sky of one place, above the ground or on it: its horizon, and the sun day by day, behind the hills and as it would be without them. */
+/* The sky of one place, above the ground or on it: its horizon, and the sun day by day, behind the hills and without them. */
 #ifndef CELLWALK_TERRAIN_SUN_DAY_H
 #define CELLWALK_TERRAIN_SUN_DAY_H
 

@@ -198,7 +198,7 @@ static void fill_row(const viewshed_command *c, size_t first, const float *restr
         for (size_t k = 0; k < n; k++) numbers[k] = isfinite(z[k]) ? (float)c->sums[first + k] : NAN;
     else
         for (size_t k = 0; k < n; k++) {
-            const uint16_t count = seen[k]; /* read in any case, for several samples at once */
+            const uint16_t count = seen[k]; /* read even where it is not used, so that the loop can be vectorized */
             if (small)
                 bytes[k] = isfinite(z[k]) ? (uint8_t)count : 255;
             else
