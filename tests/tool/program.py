@@ -161,11 +161,21 @@ def is_read(process, name):
     return int(read[1]) >= os.stat(name).st_size
 
 
+def catches(process, number):
+    """Whether it handles the signal: while it is loaded, it does not."""
+    try:
+        caught = re.search(r"SigCgt:\s*(\w+)", pathlib.Path(f"/proc/{process.pid}/status").read_text())
+    except OSError:
+        return False
+    return bool(int(caught[1], 16) >> number - 1 & 1)
+
+
 def interrupted(*words, input=None, writes=True, signals=(signal.SIGINT,)):
     """A long run is told to stop as soon as it has read an input and opened its output. It does, and leaves nothing but, if it is killed,
     hidden files."""
     before = entries()
     process = start(*words)
+    wait_until(process, lambda: all(catches(process, number) for number in signals if number != signal.SIGKILL))
     wait_until(process, lambda: not input or is_read(process, input))
     wait_until(process, lambda: not writes or any(".tmp" in name for name in open_files(process)))
     for number in signals:
