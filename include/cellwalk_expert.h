@@ -112,7 +112,7 @@ CW_API void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work,
 
 /* ---- headings --------------------------------------------------------------------------------------------------- */
 
-/* Sunlight, or the view in one compass direction: rays that leave from many samples in the same direction. Each
+/* In libcellwalk_terrain. Sunlight, or the view in one compass direction: rays that leave from many samples in the same direction. Each
  * starts exactly on the surface at its sample and meets everything beyond it, so no ray has to be lifted off the
  * ground. This is faster than a query with one ray for each sample.
  *

@@ -10,7 +10,6 @@
 #define CELLWALK_CORE_HEADING_H
 
 #include "field.h"
-#include "kernels.h"
 #include "pyramid.h"
 
 /* Rays are walked in groups of 16 neighbours in a row, and four rows: so many share the bounds that a stretch is
@@ -61,5 +60,9 @@ typedef struct cw_heading_job {
     float *steepest;
     uint8_t *occluded; /* instead of steepest */
 } cw_heading_job;
+
+/* simd/heading_kernel.c, for samples i to i_end, j to j_end of the rectangle, without the ends. */
+typedef void cw_heading_fn(const cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end);
+cw_heading_fn cw_heading1, cw_heading4, cw_heading8, cw_heading16;
 
 #endif

@@ -10,10 +10,10 @@
 extern const cw_allocator cw_memory_own;
 
 /* NULL when out of memory. */
-void *cw_memory_allocate(const cw_allocator *from, size_t bytes);
+CW_API void *cw_memory_allocate(const cw_allocator *from, size_t bytes);
 /* The same, all zero. */
-void *cw_memory_clear(const cw_allocator *from, size_t bytes);
+CW_API void *cw_memory_clear(const cw_allocator *from, size_t bytes);
 /* NULL is allowed. */
-void cw_memory_free(const cw_allocator *from, void *memory);
+CW_API void cw_memory_free(const cw_allocator *from, void *memory);
 
 #endif

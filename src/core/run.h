@@ -7,13 +7,13 @@
 #include "error.h"
 
 /* Fails unless all reserved words and zero are 0. what: the struct's name for the message. */
-cw_status cw_check_reserved(const uint64_t *reserved, size_t count, uint32_t zero, const char *what);
+CW_API cw_status cw_check_reserved(const uint64_t *reserved, size_t count, uint32_t zero, const char *what);
 
 /* Fails unless it is NULL or whole. */
 cw_status cw_check_allocator(const cw_allocator *allocator);
 
 /* Fails unless the rectangle is a part of the field. */
-cw_status cw_check_rectangle(const cw_field *field, const cw_rectangle *at);
+CW_API cw_status cw_check_rectangle(const cw_field *field, const cw_rectangle *at);
 
 /* Copies *all into a caller's struct of size bytes: members of an older struct only, and zero for members of a newer
  * one. */
@@ -24,7 +24,7 @@ CW_API cw_status cw_run_begin(const cw_run *run, cw_run *how);
 
 /* Sets kernel, leaf test and instruction set to those that run. Fails if there is none such here. A limit on instruction sets that is
  * set later changes nothing. */
-cw_status cw_run_settle(cw_run *how);
+CW_API cw_status cw_run_settle(cw_run *how);
 
 /* Fails if the field lacks the structure of the kernel, which has been settled. */
 cw_status cw_run_built(const cw_field *field, const cw_run *how);

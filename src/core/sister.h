@@ -6,6 +6,7 @@
 
 #include "door.h"
 #include "error.h"
+#include "memory.h"
 #include "run.h"
 
 /* False while an update runs on the field. Otherwise updates fail with CW_ERROR_BUSY until cw_field_leave. */

@@ -12,7 +12,7 @@ HEADERS = "cellwalk.h", "cellwalk_expert.h"
 VERSION = re.search(r'CW_VERSION +"(.*)"', (SOURCE / "include/cellwalk.h").read_text()).group(1)
 # Rows of simd/isas.cmake, and the kernels' files for one lane and for more.
 ISAS = re.findall(r"^ *cellwalk_isa\((\w+) (\d+) ?([^)]*)\)", (SOURCE / "simd/isas.cmake").read_text(), re.M)
-KINDS = [kinds.split() for kinds in re.findall(r"set\(kinds (.*)\)", (SOURCE / "simd/CMakeLists.txt").read_text())]
+KINDS = [kinds.split() for kinds in re.findall(r"set\(kinds\w* (.*?)\)", (SOURCE / "simd/CMakeLists.txt").read_text())]
 
 TOP = """/* SPDX-License-Identifier: Apache-2.0 */
 /* Cellwalk {version}, {name}: generated from the sources of the project, where changes belong. One command compiles all files, such as
@@ -74,7 +74,7 @@ def core():
 
 def kernels(name, lanes, flags, pairs):
     """Those of an instruction set: with vectors of two registers, or the others."""
-    kinds = [kind for kind in KINDS[lanes != "1"] if kind != "visible" and (kind == "lane_pairs") == pairs]
+    kinds = [kind for kind in sum(KINDS[:1 if lanes == "1" else 2], []) if (kind == "lane_pairs") == pairs]
     done, text = set(), []
     for kind in sorted(kinds, reverse=True):  # pyramid before packet: vector_watertight.h takes its choice
         text += lines_of(SOURCE / f"simd/{kind}_kernel.c", done, f"vec_{name}.h")

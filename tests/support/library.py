@@ -11,7 +11,7 @@ from words import Program, fixture_of
 SOURCE = pathlib.Path(os.environ["CELLWALK_SOURCE"])
 HEADERS = "".join((SOURCE / "include" / name).read_text() for name in ("cellwalk.h", "cellwalk_expert.h", "cellwalk_terrain.h"))
 INSIDE = "".join((SOURCE / f"src/terrain/{name}.h").read_text() for name in (
-    "visible", "sun/sun", "sun/insolation", "sight/sight", "sight/view_limits", "sight/viewshed", "sight/profile"))
+    "visible/visible", "sun/sun", "sun/insolation", "sight/sight", "sight/view_limits", "sight/viewshed", "sight/profile"))
 TYPES = {"int": "i4", "float": "f4", "double": "f8", "size_t": "u8", "uint8_t": "u1", "int32_t": "i4", "uint32_t": "u4", "uint64_t": "u8", "bool": "?"}
 STRUCTS, POINTERS = {}, set()  # name: a dtype, in which pointers are numbers; struct and member
 

@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-/* Code for registers of that many lanes, beside the walk. */
-#define OTHER(lanes) cw_heading##lanes, cw_to_field##lanes
 /* For few rays. Of 16 lanes half would be empty, and they take more of the stack. */
 #define FEW_4  {cw_short4, cw_short4}, &cw_pyramid4
 #define FEW_8  {cw_short4, cw_short8}, &cw_pyramid8
@@ -19,16 +17,16 @@
  * simd/isas.cmake but the scalar one. */
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, OTHER(1), NONE, NULL, NULL},
+    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, cw_to_field1, NONE, NULL, NULL},
 #define KERNEL(set, lanes) \
-    {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, OTHER(lanes), \
+    {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, cw_to_field##lanes, \
      NONE, NULL, NULL},
     CELLWALK_KERNELS
 #undef KERNEL
-    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, OTHER(1), NONE, &cw_pyramid1, NULL},
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, cw_to_field1, NONE, &cw_pyramid1, NULL},
 #define KERNEL(set, lanes) \
     {"pyramid" #lanes, "bounds pyramid, " #lanes " lanes, single rays in pairs of " #lanes, \
-     CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, OTHER(lanes), cw_one##lanes, FEW_##lanes, NULL},
+     CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, cw_to_field##lanes, cw_one##lanes, FEW_##lanes, NULL},
     CELLWALK_KERNELS
 #undef KERNEL
 };

@@ -24,10 +24,6 @@ typedef struct cw_one_find {
 typedef bool cw_one_fn(const cw_field *field, const struct strict_ray *ray, int32_t i, int32_t j, bool low,
                        cw_one_find *found);
 
-/* Samples i to i_end, j to j_end of a rectangle, without the ends: see heading.h. */
-struct cw_heading_job;
-typedef void cw_heading_fn(const struct cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end);
-
 /* cw_rays_to_field; m is the field's to_field. */
 typedef void cw_to_field_fn(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out);
 
@@ -41,9 +37,7 @@ struct cw_kernel {
     cw_isa isa;
     unsigned width; /* lanes of the widest vectors it walks with */
     const cw_kernel_code *code;
-    /* Other code for the same instruction set. */
-    cw_heading_fn *heading;
-    cw_to_field_fn *to_field;
+    cw_to_field_fn *to_field; /* for the same instruction set */
     /* Calls of at most CW_FEW_RAYS rays that force no kernel: the walk of one alone (NULL: there is none); of at most CW_SHORT_LANES and of
      * more that are all short by a guess; and of all others. */
     cw_one_fn *one;
@@ -78,8 +72,6 @@ extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
 
 cw_one_fn cw_one1, cw_one4, cw_one8, cw_one16; /* simd/one_kernel.c */
 
-/* simd/heading_kernel.c, simd/to_field_kernel.c */
-cw_heading_fn cw_heading1, cw_heading4, cw_heading8, cw_heading16;
-cw_to_field_fn cw_to_field1, cw_to_field4, cw_to_field8, cw_to_field16;
+cw_to_field_fn cw_to_field1, cw_to_field4, cw_to_field8, cw_to_field16; /* simd/to_field_kernel.c */
 
 #endif

@@ -284,9 +284,9 @@ static const cw_kernel_code grid3d = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trac
 
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, &brute, cw_heading1, cw_to_field1,
+    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, &brute, cw_to_field1,
      NULL, {NULL, NULL}, NULL, NULL},
-    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, &grid3d, cw_heading1, cw_to_field1,
+    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, &grid3d, cw_to_field1,
      NULL, {NULL, NULL}, NULL, build_grid3d},
 };
 /* clang-format on */

@@ -3,6 +3,7 @@
 
 #include "visible_land.h"
 
+#include "codes.h"
 #include "fpenv.h"
 #include "sister.h"
 
@@ -150,23 +151,6 @@ static cw_status add(cw_visible *v, const cw_run *how, const cw_visible_desc *de
     return cw_run_work(how, w.groups * pieces, 1, 4, walk_some, &w);
 }
 
-/* ---- instruction sets ------------------------------------------------------------------------------------------------ */
-
-/* Of the run's kernel only the instruction set is used. */
-static const visible_code *code_of(const cw_run *how) {
-    static const struct {
-        cw_isa isa;
-        const visible_code *code;
-    } all[] = {
-#define CODE(SET, LANES) {CW_ISA_##SET, &cw_visible##LANES},
-        CELLWALK_VISIBLE_CODES /* the widest first; the last is scalar */
-    };
-    const cw_isa most = how->expert.kernel ? cw_kernel_describe(how->expert.kernel).isa : cw_isa_best();
-    size_t k = 0;
-    while (all[k].isa != CW_ISA_SCALAR && !cw_isa_includes(most, all[k].isa)) k++;
-    return all[k].code;
-}
-
 /* ---- the interface --------------------------------------------------------------------------------------------------- */
 
 cw_status cw_visible_create(const cw_field *field, cw_rectangle at, size_t every, cw_visible **visible) {
@@ -175,9 +159,8 @@ cw_status cw_visible_create(const cw_field *field, cw_rectangle at, size_t every
     if (field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
     if (every == 0 || every > CW_SIDE_MAX) return cw_fail(CW_ERROR_ARGUMENT, "every: %zu", every);
     const samples of = samples_of(field);
-    if (at.i > of.nx || at.nx > of.nx - at.i || at.j > of.ny || at.ny > of.ny - at.j)
-        return cw_fail(CW_ERROR_ARGUMENT, "at: %zu x %zu samples from (%zu, %zu) on; the field has %zu x %zu", at.nx,
-                       at.ny, at.i, at.j, of.nx, of.ny);
+    const cw_status in = cw_check_rectangle(field, &at);
+    if (in != CW_OK) return in;
     cw_visible *v = calloc(1, sizeof *v);
     if (v == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     v->field = field;
@@ -229,10 +212,10 @@ cw_status cw_visible_add(cw_visible *v, const cw_run *run, const cw_visible_desc
         return cw_fail(CW_ERROR_ARGUMENT, "rows %zu to %zu of %zu", row, row + rows, v->ny);
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
-    how.expert.leaf = CW_LEAF_DEFAULT;
-    if (status == CW_OK) status = cw_run_check(NULL, &how);
+    const terrain_code *code;
+    if (status == CW_OK) status = cw_terrain_settle(&how, &code);
     if (status != CW_OK || rows == 0 || v->nx == 0) return status;
-    v->code = code_of(&how);
+    v->code = code->visible;
     door_pass in;
     if (!cw_field_enter(v->field, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
     const fpenv caller = fpenv_enter();

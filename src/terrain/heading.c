@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Making a heading, and queries along it. */
 
-#include "heading.h"
-
+#include "codes.h"
 #include "fpenv.h"
-#include "kernels.h"
-#include "memory.h"
-#include "run.h"
+#include "sister.h"
 
 #include <float.h>
 #include <math.h>
@@ -237,12 +234,12 @@ static cw_status query_along(const cw_heading_job *job, const cw_run *run, const
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
     if (status == CW_OK) status = cw_check_rectangle(f, &(cw_rectangle){job->i, job->j, job->nx, job->ny});
-    how.expert.leaf = CW_LEAF_DEFAULT;
-    if (status == CW_OK) status = cw_run_settle(&how);
+    const terrain_code *code;
+    if (status == CW_OK) status = cw_terrain_settle(&how, &code);
     if (status != CW_OK || samples == 0) return status;
-    const door_pass in = door_enter(&f->door);
-    if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
-    tiles t = {.job = *job, .code = how.expert.kernel->heading};
+    door_pass in;
+    if (!cw_field_enter(f, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
+    tiles t = {.job = *job, .code = code->heading};
     const fpenv caller = fpenv_enter();
     t.job.pad = rounding(f);
     fpenv_leave(caller);
@@ -250,7 +247,7 @@ static cw_status query_along(const cw_heading_job *job, const cw_run *run, const
     t.rows = h->along_x ? TILE_ROWS : TILE_LONG;
     t.across = (job->nx + t.columns - 1) / t.columns;
     status = cw_run_work(&how, t.across * ((job->ny + t.rows - 1) / t.rows), 1, 1, run_tiles, &t);
-    door_leave(in);
+    cw_field_leave(in);
     return status;
 }
 

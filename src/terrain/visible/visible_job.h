@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The ground in sight along one direction, from many samples: what simd/visible_kernel.c gets to walk on.
+/* The ground in sight along one direction, from many samples: what visible_kernel.c gets to walk on.
  *
  * All rays of a direction cross the same borders at the same places (heading.h). The land is a copy of the field, turned so
  * that every ray goes toward greater rows and crosses at most one column a row. Eyes that are neighbours across the ray then
  * read neighbouring samples. Columns of the same remainder by the spacing of the eyes stand together, so that eyes with gaps
  * between them do, too. */
-#ifndef CELLWALK_SIMD_VISIBLE_JOB_H
-#define CELLWALK_SIMD_VISIBLE_JOB_H
+#ifndef CELLWALK_TERRAIN_VISIBLE_JOB_H
+#define CELLWALK_TERRAIN_VISIBLE_JOB_H
 
 #include "cellwalk_expert.h"
 
