@@ -158,6 +158,7 @@ def test_maps():
     (lambda f: f.insolation(suns=[(1, 91)]), ValueError, "^suns: .*altitudes from -90"),
     (lambda f: f.insolation(suns=np.empty((0, 3))), ValueError, "^suns: .*shape"),
     (lambda f: f.insolation("2024", suns=[(1, 2)]), ValueError, "^suns: goes without date"),
+    (lambda f: cw.Field(np.zeros((9, 9)), transform=(1, 0, 0, 0, -1, 99), crs="EPSG:4326").sun("2024-06-21T12:00Z"), ValueError, "^latitude: 94"),
     (lambda f: cw.sun("yesterday\0", 0, 0), ValueError, r"time: 'yesterday\\x00'"),
     (lambda f: cw.sun(np.datetime64(2**62, "s"), 0, 0), ValueError, "time: .* expected one of the years 0 to 9999"),
     (lambda f: cw.open(b"z\0.npy"), ValueError, r"path: 'z\\x00.npy' has a null"),

@@ -72,7 +72,7 @@ class Products:
         x, y = (float(m[k][0] * i + m[k][1] * j + m[k][3]) for k in range(2)) if place is None else place
         if known.geographic:
             unit = known.unit or 3.141592653589793 / 180
-            return x * unit * _DEGREES, y * unit * _DEGREES, 0.0
+            return x * unit * _DEGREES, finite(y * unit * _DEGREES, "latitude", -90, 90), 0.0
         if known.wkt is None:
             raise ValueError(f"{what}: without a coordinate system (crs) nothing says where the sun stands; give "
                              f"{'azimuth and altitude' if what == 'time' else 'lon_lat'}")
