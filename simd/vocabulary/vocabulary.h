@@ -48,22 +48,19 @@ typedef struct vmask {
     SECOND(mask_reg b;)
 } vmask;
 
-/* Doubles: of(d, half, r, how) makes member d of the result from the half numbered half of register r. */
-#if DOUBLE_REGS == 1
-typedef struct vdouble {
-    double_reg d0;
-    SECOND(double_reg d1;)
-} vdouble;
-#define DOUBLES(of, how)                                                                                               \
-    (vdouble) { of(d0, 0, a, how) SECOND(, of(d1, 0, b, how)) }
+/* Doubles: of(d, half, r, how) makes member d of the result from the half numbered half of register r. One lane has no halves. */
+#if W == 1
+#define UPPER(...)
 #else
+#define UPPER(...) __VA_ARGS__
+#endif
 typedef struct vdouble {
-    double_reg d0, d1;
-    SECOND(double_reg d2, d3;)
+    double_reg a0;
+    UPPER(double_reg a1;)
+    SECOND(double_reg b0; UPPER(double_reg b1;))
 } vdouble;
 #define DOUBLES(of, how)                                                                                               \
-    (vdouble) { of(d0, 0, a, how), of(d1, 1, a, how) SECOND(, of(d2, 0, b, how), of(d3, 1, b, how)) }
-#endif
+    (vdouble) { of(a0, 0, a, how) UPPER(, of(a1, 1, a, how)) SECOND(, of(b0, 0, b, how) UPPER(, of(b1, 1, b, how))) }
 
 /* A word that does the same in each lane, of one to three vectors. */
 #define ONE(result, word, of, type)                                                                                    \
@@ -76,32 +73,37 @@ typedef struct vdouble {
     }
 #define SAME(result, word, of, type)                                                                                   \
     static inline result word(type x) { return (result){of(x) SECOND(, of(x))}; }
-#define MEMORY(vector, load, of_load, store, of_store, type)                                                           \
-    static inline vector load(const type *from) { return (vector){of_load(from) SECOND(, of_load(from + W))}; }        \
+/* At any address. */
+#define MEMORY(vector, load, store, type, memory)                                                                      \
+    static inline vector load(const type *from) {                                                                      \
+        return (vector){{*(const memory *)from} SECOND(, {*(const memory *)(from + W)})};                              \
+    }                                                                                                                  \
     static inline void store(type *to, vector x) {                                                                     \
-        of_store(to, x.a);                                                                                             \
-        SECOND(of_store(to + W, x.b);)                                                                                 \
+        *(memory *)to = x.a.v;                                                                                         \
+        SECOND(*(memory *)(to + W) = x.b.v;)                                                                           \
     }
 
 /* A word that is an operator of C, which compilers have for vectors too. */
 /* clang-format off: a word a line */
-#define OPERATOR(type, word, sign)                                                                                     \
-    static inline type word(type x, type y) { return (type){{x.a.v sign y.a.v} SECOND(, {x.b.v sign y.b.v})}; }
-#define INTS(x, sign, y)                                                                                               \
-    { (ints)((int_lanes)(x).v sign(int_lanes)(y).v) }
-#define INT_OPERATOR(word, sign)                                                                                       \
-    static inline vint word(vint x, vint y) { return (vint){INTS(x.a, sign, y.a) SECOND(, INTS(x.b, sign, y.b))}; }
+#define OPERATOR(type, lanes, word, sign)                                                                              \
+    static inline type word(type x, type y) {                                                                          \
+        return (type){{(lanes)(x.a.v sign y.a.v)} SECOND(, {(lanes)(x.b.v sign y.b.v)})};                              \
+    }
+#define COMPARISON(word, sign, name)                                                                                   \
+    static inline vmask word(vfloat x, vfloat y) {                                                                     \
+        return (vmask){{COMPARE(x.a.v, sign, y.a.v, name)} SECOND(, {COMPARE(x.b.v, sign, y.b.v, name)})};             \
+    }
 SAME(vfloat, vf_set, rf_set, float)
 SAME(vint, vi_set, ri_set, int32_t)
 SAME(vmask, vm_set, rm_set, bool)
-MEMORY(vfloat, vf_load, rf_load, vf_store, rf_store, float)
-MEMORY(vint, vi_load, ri_load, vi_store, ri_store, int32_t)
+MEMORY(vfloat, vf_load, vf_store, float, float_memory)
+MEMORY(vint, vi_load, vi_store, int32_t, int_memory)
 THREE(vfloat, vf_select, rf_select, vmask, vfloat)
 THREE(vint, vi_select, ri_select, vmask, vint)
-OPERATOR(vfloat, vf_add, +)
-OPERATOR(vfloat, vf_sub, -)
-OPERATOR(vfloat, vf_mul, *)
-OPERATOR(vfloat, vf_div, /)
+OPERATOR(vfloat, float_lanes, vf_add, +)
+OPERATOR(vfloat, float_lanes, vf_sub, -)
+OPERATOR(vfloat, float_lanes, vf_mul, *)
+OPERATOR(vfloat, float_lanes, vf_div, /)
 TWO(vfloat, vf_min, rf_min, vfloat, vfloat)
 TWO(vfloat, vf_max, rf_max, vfloat, vfloat)
 TWO(vfloat, vf_flip, rf_flip, vfloat, vfloat)
@@ -110,26 +112,26 @@ ONE(vfloat, vf_floor, rf_floor, vfloat)
 ONE(vfloat, vf_from_vi, rf_from_ri, vint)
 ONE(vfloat, vf_power_of_2, rf_power_of_2, vint)
 ONE(vint, vi_from_vf, ri_from_rf, vfloat)
-TWO(vmask, vf_lt, rf_lt, vfloat, vfloat)
-TWO(vmask, vf_le, rf_le, vfloat, vfloat)
-TWO(vmask, vf_gt, rf_gt, vfloat, vfloat)
-TWO(vmask, vf_ge, rf_ge, vfloat, vfloat)
-TWO(vmask, vf_eq, rf_eq, vfloat, vfloat)
-INT_OPERATOR(vi_add, +)
-INT_OPERATOR(vi_sub, -)
-INT_OPERATOR(vi_mul, *)
-INT_OPERATOR(vi_and, &)
-INT_OPERATOR(vi_or, |)
-INT_OPERATOR(vi_xor, ^)
+COMPARISON(vf_lt, <, LT)
+COMPARISON(vf_le, <=, LE)
+COMPARISON(vf_gt, >, GT)
+COMPARISON(vf_ge, >=, GE)
+COMPARISON(vf_eq, ==, EQ)
+OPERATOR(vint, int_lanes, vi_add, +)
+OPERATOR(vint, int_lanes, vi_sub, -)
+OPERATOR(vint, int_lanes, vi_mul, *)
+OPERATOR(vint, int_lanes, vi_and, &)
+OPERATOR(vint, int_lanes, vi_or, |)
+OPERATOR(vint, int_lanes, vi_xor, ^)
 TWO(vint, vi_shift_left, ri_shift_left, vint, vint)
 TWO(vint, vi_shift_right, ri_shift_right, vint, vint)
 TWO(vint, vi_where, ri_where, vmask, vint)
 TWO(vmask, vi_eq, ri_eq, vint, vint)
-TWO(vmask, vm_and, rm_and, vmask, vmask)
-TWO(vmask, vm_or, rm_or, vmask, vmask)
-TWO(vmask, vm_xor, rm_xor, vmask, vmask)
-TWO(vmask, vm_andnot, rm_andnot, vmask, vmask)
-ONE(vmask, vm_not, rm_not, vmask)
+OPERATOR(vmask, lane_mask, vm_and, &)
+OPERATOR(vmask, lane_mask, vm_or, |)
+OPERATOR(vmask, lane_mask, vm_xor, ^)
+OPERATOR(vmask, lane_mask, vm_andnot, &~)
+static inline vmask vm_not(vmask x) { return vm_xor(x, vm_set(true)); }
 #define SET(d, half, r, word)    word(x)
 #define HALF(d, half, r, word)   word(x.r, half)
 #define SELECT(d, half, r, word) word(m.r, half, x.d, y.d)
@@ -145,11 +147,9 @@ static inline vdouble vd_add(vdouble x, vdouble y) { return DOUBLES(SIGN, +); }
 static inline vdouble vd_sub(vdouble x, vdouble y) { return DOUBLES(SIGN, -); }
 static inline vdouble vd_mul(vdouble x, vdouble y) { return DOUBLES(SIGN, *); }
 static inline vdouble vd_div(vdouble x, vdouble y) { return DOUBLES(SIGN, /); }
-#if DOUBLE_REGS == 1
-static inline vfloat vf_from_vd(vdouble x) { return (vfloat){rf_from_rd(x.d0) SECOND(, rf_from_rd(x.d1))}; }
-#else
-static inline vfloat vf_from_vd(vdouble x) { return (vfloat){rf_from_rd(x.d0, x.d1) SECOND(, rf_from_rd(x.d2, x.d3))}; }
-#endif
+static inline vfloat vf_from_vd(vdouble x) {
+    return (vfloat){rf_from_rd(x.a0 UPPER(, x.a1)) SECOND(, rf_from_rd(x.b0 UPPER(, x.b1)))};
+}
 static inline vint vi_lookup(const int32_t table[16], vint k) {
     return (vint){ri_lookup(table, k.a) SECOND(, ri_lookup(table, k.b))};
 }
@@ -159,8 +159,7 @@ static inline vint vi_lookup(const int32_t table[16], vint k) {
 #undef TWO
 #undef THREE
 #undef OPERATOR
-#undef INT_OPERATOR
-#undef INTS
+#undef COMPARISON
 #undef SAME
 #undef MEMORY
 #undef SET
@@ -174,11 +173,7 @@ static inline vmask vm_from_bits(unsigned bits) {
 }
 /* Lanes 0 to n - 1. */
 static inline vmask vm_first(size_t n) { return vm_from_bits(n < LANES ? (1u << n) - 1 : ~0u); }
-static inline bool vm_any(vmask a) {
-    mask_reg some = a.a;
-    SECOND(some = rm_or(some, a.b);)
-    return rm_any(some);
-}
+static inline bool vm_any(vmask x) { return rm_any((mask_reg){(lane_mask)(x.a.v SECOND(| x.b.v))}); }
 static inline unsigned vm_bits(vmask a) { return rm_bits(a.a) SECOND(| rm_bits(a.b) << W); }
 
 /* Lane k of a vector in memory. */
@@ -244,6 +239,7 @@ static inline vfloat vf_load_block(const float *row, ptrdiff_t step, size_t k) {
 }
 
 #undef DOUBLES
+#undef UPPER
 #undef SECOND
 
 #endif

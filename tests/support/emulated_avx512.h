@@ -13,22 +13,8 @@ typedef double lanes_pd __attribute__((vector_size(64)));
 typedef int32_t lanes_i32 __attribute__((vector_size(64)));
 typedef float half_ps __attribute__((vector_size(32)));
 
-#define _mm512_cvtepi32_ps(a) ((__m512) __builtin_convertvector((lanes_i32)(a), lanes_ps))
-#define _mm512_cvtps_pd(a)    ((__m512d) __builtin_convertvector((half_ps)(a), lanes_pd))
-#define _mm512_cvtpd_ps(a)    ((__m256) __builtin_convertvector((lanes_pd)(a), half_ps))
-
-/* For numbers outside int32 the instruction returns INT32_MIN. */
-static inline __m512i emulated_cvttps_epi32(__m512 a) {
-    const lanes_ps from = (lanes_ps)a;
-    lanes_i32 to;
-    for (int k = 0; k < 16; k++) to[k] = from[k] >= -0x1p31f && from[k] < 0x1p31f ? (int32_t)from[k] : INT32_MIN;
-    return (__m512i)to;
-}
-#define _mm512_cvttps_epi32 emulated_cvttps_epi32
-
-/* SIMDe's keeps the sign of -0 and of NaN. */
-#undef _mm512_abs_ps
-#define _mm512_abs_ps(a) _mm512_castsi512_ps(_mm512_and_si512(_mm512_castps_si512(a), _mm512_set1_epi32(INT32_MAX)))
+#define _mm512_cvtps_pd(a) ((__m512d) __builtin_convertvector((half_ps)(a), lanes_pd))
+#define _mm512_cvtpd_ps(a) ((__m256) __builtin_convertvector((lanes_pd)(a), half_ps))
 
 static inline __m512 emulated_mask_gather(__m512 other, __mmask16 m, __m512i index, const float *base) {
     lanes_ps to = (lanes_ps)other;
@@ -47,12 +33,5 @@ static inline __m256 emulated_extractf32x8(__m512 a, int half) {
     return (__m256)to;
 }
 #define _mm512_extractf32x8_ps emulated_extractf32x8
-
-static inline __m512d emulated_shuffle_pd(__m512d a, __m512d b, int which) {
-    lanes_pd to;
-    for (int k = 0; k < 8; k++) to[k] = ((lanes_pd)(k % 2 ? b : a))[k / 2 * 2 + (which >> k & 1)];
-    return (__m512d)to;
-}
-#define _mm512_shuffle_pd emulated_shuffle_pd
 
 #endif
