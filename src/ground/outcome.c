@@ -122,7 +122,7 @@ bool picture_take(picture *p, size_t row, size_t rows, const float *values, cons
     float *slope = malloc(2 * t->nx * sizeof *slope);
     if (slope == NULL) return io_fail(error, "out of memory");
     for (size_t y = 0; y < rows; y++) {
-        cw_terrain_slope_row(t, j + y * step, 0, t->nx, slope, slope + t->nx);
+        cw_terrain_slopes(t, NULL, NAN, (cw_rectangle){0, j + y * step, t->nx, 1}, slope, slope + t->nx);
         for (size_t x = 0; x < p->nx; x++) {
             const float east = slope[i + x * step], north = slope[t->nx + i + x * step];
             p->toward[(row + y) * p->nx + x] = 0.70710678f * (north - east); /* northwest */

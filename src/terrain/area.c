@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "area.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-enum { SAMPLES_AT_ONCE = 1 << 20 };
-
 cw_status cw_check_number(const char *name, double value, double least, double most) {
     if (value >= least && value <= most) return CW_OK;
     return cw_fail(CW_ERROR_ARGUMENT, "%s: %g; it is from %g to %g", name, value, least, most);
@@ -35,26 +30,4 @@ cw_status cw_area_stride(cw_area *area) {
     if (area->stride == 0) area->stride = area->at.nx;
     if (area->stride >= area->at.nx) return CW_OK;
     return cw_fail(CW_ERROR_ARGUMENT, "stride: %zu; a row of the area has %zu", area->stride, area->at.nx);
-}
-
-cw_status cw_area_make(cw_area area, const cw_run *how, size_t bytes, cw_area_fill *fill, void *context, void *out,
-                       const char *name) {
-    const cw_rectangle all = area.at;
-    cw_status status = cw_area_stride(&area);
-    if (status != CW_OK || all.nx == 0 || all.ny == 0) return status;
-    if (out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", name);
-    const size_t most = all.nx < SAMPLES_AT_ONCE ? SAMPLES_AT_ONCE / all.nx : 1, row = all.nx * bytes;
-    char *room = area.stride > all.nx ? malloc((most < all.ny ? most : all.ny) * row) : NULL;
-    if (area.stride > all.nx && room == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    for (size_t y = 0, rows; y < all.ny && status == CW_OK; y += rows) {
-        rows = most < all.ny - y ? most : all.ny - y;
-        run_part part = {how, (double)y / (double)all.ny, (double)(y + rows) / (double)all.ny};
-        const cw_run run = cw_run_part_of(&part);
-        char *to = (char *)out + y * area.stride * bytes;
-        status = fill(context, &run, (cw_rectangle){all.i, all.j + y, all.nx, rows}, room ? room : to);
-        for (size_t k = 0; k < rows && room && status == CW_OK; k++)
-            memcpy(to + k * area.stride * bytes, room + k * row, row);
-    }
-    free(room);
-    return status;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How public functions begin, and how a product is made for an area: block by block of rows. */
+/* How public functions of the room begin: what all of them check. */
 #ifndef CELLWALK_TERRAIN_AREA_H
 #define CELLWALK_TERRAIN_AREA_H
 
@@ -21,13 +21,6 @@ cw_status cw_area_begin(const terrain *t, const void *desc, const char *name, co
 
 /* Sets a stride of 0; fails with one that is too small. */
 cw_status cw_area_stride(cw_area *area);
-
-/* Writes the numbers of a block, at.nx to a row. */
-typedef cw_status cw_area_fill(void *context, const cw_run *run, cw_rectangle at, void *to);
-
-/* Fills an area that has begun in, bytes to a number. Blocks are small enough for room of a few numbers a sample. */
-cw_status cw_area_make(cw_area area, const cw_run *how, size_t bytes, cw_area_fill *fill, void *context, void *out,
-                       const char *name);
 
 /* The run of number k of count equal parts; *part is its room. */
 static inline cw_run cw_run_share(run_part *part, const cw_run *whole, size_t k, size_t count) {

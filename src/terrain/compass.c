@@ -1,45 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "compass.h"
 
-#include "sister.h"
+#include "area.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-cw_status cw_compass_create(compass *c, const terrain *t, const double *azimuths, size_t count, double reach,
-                            double curvature) {
-    *c = (compass){.terrain = t, .count = count, .azimuths = azimuths, .reach = reach, .curvature = curvature};
-    if (!(reach >= 0 && curvature >= 0 && isfinite(reach) && isfinite(curvature)))
-        return cw_fail(CW_ERROR_ARGUMENT, "max_distance, curvature: %g, %g; finite and not negative", reach, curvature);
-    c->headings = calloc(count, sizeof(cw_heading *));
-    return c->headings ? CW_OK : cw_fail_plainly(CW_ERROR_MEMORY);
-}
-
-static void forget(compass *c) {
-    for (size_t k = 0; k < c->count && c->headings != NULL; k++) {
-        cw_heading_destroy(c->headings[k]);
-        c->headings[k] = NULL;
-    }
-}
-
-void cw_compass_destroy(compass *c) {
-    forget(c);
-    free(c->headings);
-    *c = (compass){0};
-}
-
-void cw_compass_turn(compass *c, cw_rectangle *at, size_t end) {
-    const terrain *whole = terrain_whole(c->terrain);
-    const size_t row = at->j + c->terrain->row;
-    if (row < c->from || row >= c->until) {
-        forget(c);
-        if (row < c->from) c->until = 0;
-        do {
-            c->from = c->until;
-            c->until = c->from + cw_terrain_rows_alike(whole, c->from);
-        } while (row >= c->until);
-    }
-    at->ny = c->until - row < end - at->j ? c->until - row : end - at->j;
+cw_status cw_compass_create(compass *c, const terrain *t, size_t count, double reach, double curvature) {
+    *c = (compass){.terrain = t, .count = count, .reach = reach, .curvature = curvature};
+    c->azimuths = calloc(count, sizeof *c->azimuths);
+    c->headings = calloc(count, sizeof *c->headings);
+    return c->azimuths && c->headings ? CW_OK : cw_fail_plainly(CW_ERROR_MEMORY);
 }
 
 void cw_compass_release(compass *c, size_t k) {
@@ -47,21 +19,67 @@ void cw_compass_release(compass *c, size_t k) {
     c->headings[k] = NULL;
 }
 
-double cw_compass_middle(const compass *c) { return 0.5 * (double)(c->from + c->until - 1); }
+void cw_compass_destroy(compass *c) {
+    for (size_t k = 0; k < c->count && c->headings; k++) cw_compass_release(c, k);
+    free(c->headings);
+    free(c->azimuths);
+    *c = (compass){0};
+}
 
-cw_status cw_compass_heading(compass *c, size_t k, cw_heading **heading, double *slope) {
+/* Turns to the rectangle's first row, and ends it where headings do: the same rows of the whole raster share headings, wherever a
+ * rectangle begins. */
+static void turn(compass *c, cw_rectangle *at) {
+    const terrain *whole = terrain_whole(c->terrain);
+    const size_t row = at->j + c->terrain->row;
+    if (row < c->from || row >= c->until) {
+        for (size_t k = 0; k < c->count; k++) cw_compass_release(c, k);
+        if (row < c->from) c->until = 0;
+        do {
+            c->from = c->until;
+            c->until = c->from + cw_terrain_rows_alike(whole, c->from);
+        } while (row >= c->until);
+        c->middle = 0.5 * (double)(c->from + c->until - 1);
+    }
+    if (at->ny > c->until - row) at->ny = c->until - row;
+}
+
+cw_status cw_compass_look(compass *c, size_t k, compass_way *way) {
     const terrain *t = c->terrain, *whole = terrain_whole(t);
-    double dir[2];
     const double metres =
-        cw_terrain_direction(whole, 0.5 * (double)(whole->nx - 1), cw_compass_middle(c), c->azimuths[k], dir);
-    *slope = metres / t->map[2][2];
-    cw_status status = CW_OK;
+        cw_terrain_direction(whole, 0.5 * (double)(whole->nx - 1), c->middle, c->azimuths[k], way->dir);
+    way->length = metres;
+    way->slope = metres / t->map[2][2];
     /* The ground d metres away is lower by curvature d² / 2 R; dir is `metres` metres long. */
-    const cw_heading_desc desc = {.dir = {dir[0], dir[1]},
+    const cw_heading_desc desc = {.dir = {way->dir[0], way->dir[1]},
                                   .reach = c->reach / metres,
                                   .drop = c->curvature * metres * metres / (2 * t->radius * t->map[2][2])};
-    if (c->headings[k] == NULL) status = cw_heading_create(t->field, &desc, &c->headings[k]);
-    *heading = c->headings[k];
+    const cw_status status = c->headings[k] ? CW_OK : cw_heading_create(t->field, &desc, &c->headings[k]);
+    way->heading = c->headings[k];
+    return status;
+}
+
+cw_status cw_compass_make(compass *c, cw_area area, const cw_run *how, size_t bytes, size_t room, compass_fill *fill,
+                          void *context, void *out, const char *name) {
+    enum { SAMPLES_AT_ONCE = 1 << 20 };
+    const cw_rectangle all = area.at;
+    cw_status status = cw_area_stride(&area);
+    if (status != CW_OK || all.nx == 0 || all.ny == 0) return status;
+    if (out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", name);
+    const size_t few = all.nx < SAMPLES_AT_ONCE ? SAMPLES_AT_ONCE / all.nx : 1, most = few < all.ny ? few : all.ny;
+    const size_t row = all.nx * bytes, gap = area.stride * bytes;
+    char *memory = malloc(most * all.nx * (room + bytes)), *packed = memory + most * all.nx * room;
+    if (memory == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
+    for (size_t y = 0; y < all.ny && status == CW_OK;) {
+        cw_rectangle at = {all.i, all.j + y, all.nx, most < all.ny - y ? most : all.ny - y};
+        turn(c, &at);
+        run_part part = {how, (double)y / (double)all.ny, (double)(y + at.ny) / (double)all.ny};
+        const cw_run run = cw_run_part_of(&part);
+        char *to = (char *)out + y * gap;
+        status = fill(context, &run, at, gap > row ? packed : to, memory);
+        for (size_t k = 0; k < at.ny && gap > row && status == CW_OK; k++) memcpy(to + k * gap, packed + k * row, row);
+        y += at.ny;
+    }
+    free(memory);
     return status;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Headings by azimuth, kept as long as the rows that are asked about share them: on a map in degrees, a direction of the
- * compass is another one in the field's coordinates from each few rows to the next. */
+ * compass is another one in the field's coordinates from each few rows to the next. And products that are made of them: block by block
+ * of such rows. */
 #ifndef CELLWALK_TERRAIN_COMPASS_H
 #define CELLWALK_TERRAIN_COMPASS_H
 
@@ -12,30 +13,35 @@ enum { COMPASS_MOST = 3600 };
 typedef struct compass {
     const terrain *terrain;
     size_t count;
-    const double *azimuths; /* degrees */
-    double reach;           /* metres: headings end there; 0: they do not */
-    double curvature;       /* as cw_sight_init takes it */
-    cw_heading **headings;  /* those that were asked for */
-    size_t from, until;     /* rows that they are right for */
+    double *azimuths;      /* degrees; to be filled in */
+    double reach;          /* metres: headings end there; 0: they do not */
+    double curvature;      /* as cw_sight_init takes it */
+    cw_heading **headings; /* those that were asked for */
+    size_t from, until;    /* rows of the whole raster that they are right for */
+    double middle;         /* of these rows */
 } compass;
 
-/* Takes over nothing: azimuths must stay. reach and curvature are not negative. */
-cw_status cw_compass_create(compass *c, const terrain *t, const double *azimuths, size_t count, double reach,
-                            double curvature);
+/* To be destroyed also on failure. */
+cw_status cw_compass_create(compass *c, const terrain *t, size_t count, double reach, double curvature);
 void cw_compass_destroy(compass *c);
 
-/* Turns to the rectangle's first row, and sets its height to the number of rows, before end, for which headings are then right: the same
- * rows of the whole raster share headings, wherever one begins. */
-void cw_compass_turn(compass *c, cw_rectangle *at, size_t end);
-
-/* The middle of these rows, in the whole raster's. */
-double cw_compass_middle(const compass *c);
+/* A heading for the present rows. The tangent of an angle, times slope, is the rise that it knows. */
+typedef struct compass_way {
+    cw_heading *heading;
+    double dir[2], length; /* a step of it in cells, and in metres */
+    double slope;
+} compass_way;
+cw_status cw_compass_look(compass *c, size_t k, compass_way *way);
 
 /* Frees heading number k, which is made anew when it is needed again: for so many directions that they do not fit into memory. */
 void cw_compass_release(compass *c, size_t k);
 
-/* Heading number k for these rows. The tangent of an angle, times slope, is the rise that the heading knows. */
-cw_status cw_compass_heading(compass *c, size_t k, cw_heading **heading, double *slope);
+/* Writes the numbers of a block of rows that share headings, at.nx to a row. room: of the product's bytes for each sample. */
+typedef cw_status compass_fill(void *context, const cw_run *run, cw_rectangle at, void *to, void *room);
+
+/* Fills an area that has begun, bytes to a number. */
+cw_status cw_compass_make(compass *c, cw_area area, const cw_run *how, size_t bytes, size_t room, compass_fill *fill,
+                          void *context, void *out, const char *name);
 
 /* The rise, in a heading's numbers, of a ray at an altitude of so many degrees. */
 float cw_compass_rise(double slope, double altitude);

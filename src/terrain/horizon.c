@@ -15,22 +15,15 @@ enum { DIRECTIONS_USUAL = 32, GRAIN = 1 << 14 };
 
 typedef struct horizon {
     const terrain *terrain;
-    cw_horizon desc;
-    size_t count;
-    int kind;
-    double *azimuths;
+    cw_horizon desc; /* with its count */
+    bool opens;      /* openness is summed, else sky */
     compass compass;
-    size_t number; /* the direction that is looked in, but for sky views */
-    float *work;   /* for samples of a block: rises, and slopes eastward and northward if tilted */
-    double *sums;  /* of the sky, for them */
-    size_t room;
+    size_t number;              /* the direction that is looked in, but for sums */
     const sight_bounds *bounds; /* for distances */
     float *turned;              /* samples upside down, of `under` */
     cw_field *field;
     terrain under;
 } horizon;
-
-enum { ANGLES, SKY, TILTED_SKY, OPENNESS };
 
 static const double degree = 0.017453292519943295;
 
@@ -39,19 +32,13 @@ static cw_status turn_over(horizon *h, const cw_run *run) {
     const terrain *t = h->terrain;
     h->turned = malloc(t->nx * t->ny * sizeof *h->turned);
     if (h->turned == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    for (size_t j = 0; j < t->ny; j++)
-        for (size_t i = 0; i < t->nx; i++) {
-            const float z = terrain_row(t, j)[i];
-            h->turned[j * t->nx + i] = isfinite(z) ? -z : NAN;
-        }
+    for (size_t k = 0; k < t->nx * t->ny; k++) h->turned[k] = -terrain_row(t, k / t->nx)[k % t->nx];
     const cw_field_desc desc = {.samples = h->turned, .nx = t->nx, .ny = t->ny, .storage = CW_BORROW};
     const cw_status status = cw_field_create(&desc, &(cw_run){.pool = run->pool}, &h->field);
     h->under = *t;
     h->under.field = h->field;
     h->under.z = h->turned;
     h->under.stride = t->nx;
-    h->under.bounds = NULL;
-    h->under.own = NULL;
     h->terrain = &h->under;
     return status;
 }
@@ -62,46 +49,28 @@ static cw_status check(const cw_horizon *d) {
     if (status == CW_OK) status = cw_check_number("max_distance", d->max_distance, 0, DBL_MAX);
     if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, DBL_MAX);
     if (status == CW_OK) status = cw_check_number("count", d->count, 0, COMPASS_MOST);
-    if (status == CW_OK) status = cw_check_number("flags", d->flags, 0, CW_HORIZON_TILTED + CW_HORIZON_BELOW);
-    if (status == CW_OK && (d->flags & CW_HORIZON_BELOW) != 0 && d->curvature != 0)
-        status = cw_fail(CW_ERROR_ARGUMENT, "curvature: %g; with CW_HORIZON_BELOW the earth is flat", d->curvature);
     return status;
 }
 
-static void destroy(horizon *h) {
-    cw_compass_destroy(&h->compass);
-    free(h->azimuths);
-    free(h->work);
-    free(h->sums);
-    cw_field_destroy(h->field);
-    free(h->turned);
-}
+static size_t count_of(const cw_horizon *d) { return d->count > 0 ? d->count : DIRECTIONS_USUAL; }
 
-/* To be destroyed also on failure. */
-static cw_status create(horizon *h, const terrain *t, const cw_horizon *desc, const cw_run *run, int kind) {
-    const cw_status status = check(desc);
-    *h = (horizon){.terrain = t, .desc = *desc, .count = desc->count > 0 ? desc->count : DIRECTIONS_USUAL};
-    if (status != CW_OK) return status;
-    h->kind = kind;
-    if ((desc->flags & CW_HORIZON_BELOW) != 0) {
-        const cw_status turned = turn_over(h, run);
-        if (turned != CW_OK) return turned;
-    }
-    h->azimuths = calloc(h->count, sizeof *h->azimuths);
-    if (h->azimuths == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    for (size_t k = 0; k < h->count; k++) h->azimuths[k] = fmod(desc->start + 360 * (double)k / (double)h->count, 360);
-    return cw_compass_create(&h->compass, h->terrain, h->azimuths, h->count, desc->max_distance, desc->curvature);
+static void fill_azimuths(const cw_horizon *d, double *azimuths) {
+    for (size_t k = 0; k < count_of(d); k++) azimuths[k] = fmod(d->start + 360 * (double)k / (double)count_of(d), 360);
 }
 
 cw_status cw_horizon_azimuths(const cw_terrain *t, const cw_horizon *desc, double *azimuths) {
     if (t == NULL || desc == NULL || azimuths == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", !t ? "terrain" : !desc ? "horizon" : "azimuths");
-    horizon h;
-    cw_horizon level = *desc;
-    level.flags = 0;
-    const cw_status status = create(&h, t, &level, NULL, ANGLES);
-    for (size_t k = 0; k < h.count && status == CW_OK; k++) azimuths[k] = h.azimuths[k];
-    destroy(&h);
+    const cw_status status = check(desc);
+    if (status == CW_OK) fill_azimuths(desc, azimuths);
+    return status;
+}
+
+/* Of a terrain that may be the one upside down. */
+static cw_status make_compass(horizon *h) {
+    const cw_horizon *d = &h->desc;
+    const cw_status status = cw_compass_create(&h->compass, h->terrain, count_of(d), d->max_distance, d->curvature);
+    if (status == CW_OK) fill_azimuths(d, h->compass.azimuths);
     return status;
 }
 
@@ -132,24 +101,25 @@ static void to_degrees(void *context, size_t begin, size_t end) {
 typedef struct locating {
     const horizon *horizon;
     cw_rectangle at;
-    double dir[2], length; /* a step of the heading: in cells, and in metres */
-    float *metres;         /* rises for each step that the heading has found, and then distances */
+    const compass_way *way;
+    float *metres; /* rises for each step that the heading has found, and then distances */
 } locating;
 
 /* Metres to the horizon of a sample, of which the rise is known as a float. With that most of the line of sight is passed over. */
 static float locate(const locating *l, size_t i, size_t j, double rise) {
     const terrain *t = l->horizon->terrain;
+    const compass_way *way = l->way;
     const double eye[3] = {(double)i, (double)j, (double)terrain_row(t, j)[i]};
     sight s;
     cw_sight_init(&s, t, l->horizon->bounds, eye, l->horizon->desc.curvature);
     s.at_crossings = true;
-    double far = cw_terrain_steps_out(t, eye, l->dir); /* a limit counts as the heading's */
-    if (l->horizon->desc.max_distance > 0) far = fmin(far, l->horizon->desc.max_distance / l->length * (1 + 0x1p-20));
-    const double to[2] = {eye[0] + far * l->dir[0], eye[1] + far * l->dir[1]};
+    double far = cw_terrain_steps_out(t, eye, way->dir); /* a limit counts as the heading's */
+    if (l->horizon->desc.max_distance > 0) far = fmin(far, l->horizon->desc.max_distance / way->length * (1 + 0x1p-20));
+    const double to[2] = {eye[0] + far * way->dir[0], eye[1] + far * way->dir[1]};
     const double least = (rise - 0x1p-18 * fabs(rise) - 0x1p-40 * fabs(eye[2])) * far;
     sight_rise r = cw_sight_steepest(&s, to[0], to[1], least);
     if (r.share == 0) r = cw_sight_steepest(&s, to[0], to[1], -INFINITY);
-    return r.share > 0 ? (float)(cw_sight_nearest(&s, to[0], to[1], r) * far * l->length) : NAN;
+    return r.share > 0 ? (float)(cw_sight_nearest(&s, to[0], to[1], r) * far * way->length) : NAN;
 }
 
 static void locate_some(void *context, size_t begin, size_t end) {
@@ -162,70 +132,55 @@ static void locate_some(void *context, size_t begin, size_t end) {
 }
 
 /* The angles of a block, or the distances if there are bounds for them. */
-static cw_status fill_angles(void *context, const cw_run *run, cw_rectangle at, void *to) {
+static cw_status fill_angles(void *context, const cw_run *run, cw_rectangle at, void *to, void *room) {
     enum { FEW = 256 };
     horizon *h = context;
-    const terrain *whole = terrain_whole(h->terrain);
-    const size_t end = at.j + at.ny, all = at.ny;
-    float *out = to;
-    for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny, out += at.nx * at.ny) {
-        cw_heading *heading;
-        double slope;
-        cw_compass_turn(&h->compass, &at, end);
-        run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
-        run_part rest = {run, part.begin + 0.1 * (part.end - part.begin), part.end};
-        if (h->bounds) part.end = rest.begin;
-        const cw_run some = cw_run_part_of(&part), far = cw_run_part_of(&rest);
-        cw_status status = cw_compass_heading(&h->compass, h->number, &heading, &slope);
-        if (status == CW_OK) status = cw_heading_steepest(heading, &some, -INFINITY, INFINITY, at, out);
-        if (status != CW_OK) return status;
-        if (h->bounds == NULL) {
-            turning t = {out, (float)(1 / slope)};
-            cw_pool_run(run->pool, at.nx * at.ny, GRAIN, to_degrees, &t);
-            continue;
-        }
-        locating l = {.horizon = h, .at = at, .metres = out};
-        l.length = cw_terrain_direction(whole, 0.5 * (double)(whole->nx - 1), cw_compass_middle(&h->compass),
-                                        h->azimuths[h->number], l.dir);
-        status = cw_run_work(&far, at.nx * at.ny, FEW, FEW, locate_some, &l);
-        if (status != CW_OK) return status;
-    }
+    (void)room;
+    compass_way way;
+    run_part part = {run, 0, h->bounds ? 0.1 : 1}, rest = {run, 0.1, 1};
+    const cw_run some = cw_run_part_of(&part), far = cw_run_part_of(&rest);
+    cw_status status = cw_compass_look(&h->compass, h->number, &way);
+    if (status == CW_OK) status = cw_heading_steepest(way.heading, &some, -INFINITY, INFINITY, at, to);
+    if (status != CW_OK) return status;
+    if (h->bounds) return cw_run_work(&far, at.nx * at.ny, FEW, FEW, locate_some, &(locating){h, at, &way, to});
+    cw_pool_run(run->pool, at.nx * at.ny, GRAIN, to_degrees, &(turning){to, (float)(1 / way.slope)});
     return CW_OK;
 }
 
 cw_status cw_horizon_angles(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, uint32_t number,
                             cw_area area, float *degrees, float *metres) {
-    horizon h;
     cw_run how;
     cw_status status = cw_area_begin(t, desc, "horizon", run, &area, &how);
+    if (status == CW_OK) status = check(desc);
+    if (status == CW_OK) status = cw_check_number("number", number, 0, (double)count_of(desc) - 1);
     if (status != CW_OK) return status;
-    cw_horizon level = *desc;
-    level.flags = 0;
-    status = create(&h, t, &level, &how, ANGLES);
-    h.number = number;
-    if (status == CW_OK) status = cw_check_number("number", number, 0, (double)h.count - 1);
+    horizon h = {.terrain = t, .desc = *desc, .number = number};
+    status = make_compass(&h);
     run_part first = {&how, 0, metres ? 0.1 : 1}, second = {&how, degrees ? 0.1 : 0, 1};
     const cw_run angles = cw_run_part_of(&first), distances = cw_run_part_of(&second);
     if (status == CW_OK && (degrees || !metres))
-        status = cw_area_make(area, &angles, sizeof *degrees, fill_angles, &h, degrees, "degrees");
+        status = cw_compass_make(&h.compass, area, &angles, sizeof *degrees, 0, fill_angles, &h, degrees, "degrees");
     if (status == CW_OK && metres) {
         status = cw_terrain_bounds(t, &h.bounds);
-        if (status == CW_OK) status = cw_area_make(area, &distances, sizeof *metres, fill_angles, &h, metres, "metres");
+        if (status == CW_OK)
+            status =
+                cw_compass_make(&h.compass, area, &distances, sizeof *metres, 0, fill_angles, &h, metres, "metres");
         cw_terrain_bounds_release(t, h.bounds);
     }
-    destroy(&h);
+    cw_compass_destroy(&h.compass);
     return status;
 }
 
 /* ---- the sky -------------------------------------------------------------------------------------------------------- */
 
-/* One direction more. */
+/* Sums over directions for the samples of a block. */
 typedef struct adding {
-    const float *rises, *east, *north; /* slopes of the ground, of the tilted sky */
+    float *share;
     double *sum;
-    float *count; /* of directions with terrain, of openness */
+    float *rises, *east, *north; /* of the present direction; slopes of the ground, if it leans */
     float per_rise;
     float towards[2]; /* the direction: east, north */
+    double count;     /* of directions, or 0: share has how many count */
 } adding;
 
 /* cos² = 1 / (1 + tan²). A hole's NaN stays. */
@@ -257,111 +212,81 @@ static void add_opening(void *context, size_t begin, size_t end) {
     for (size_t k = begin; k < end; k++) {
         if (!isfinite(a->rises[k])) continue;
         a->sum[k] += 90 - (double)cw_horizon_degrees(a->rises[k] * a->per_rise);
-        a->count[k]++;
+        a->share[k]++;
     }
 }
 
-/* One direction more, for rows that share their headings. count: NULL for the sky, or of directions with terrain. lean:
- * NULL for level ground, or slopes eastward of the rows' samples and, room samples on, northward. */
-static cw_status add_direction(horizon *h, const cw_run *run, size_t k, cw_rectangle at, float *count,
-                               const float *lean, double *sum) {
-    cw_heading *heading;
-    double slope;
-    const size_t n = at.nx * at.ny;
-    cw_status status = cw_compass_heading(&h->compass, k, &heading, &slope);
-    /* Terrain below the level hides nothing of the sky. */
-    if (status == CW_OK) status = cw_heading_steepest(heading, run, count ? -INFINITY : 0, INFINITY, at, h->work);
-    if (status != CW_OK) return status;
-    adding a = {.rises = h->work, .sum = sum, .count = count, .per_rise = (float)(1 / slope)};
-    if (lean) {
+static bool leans(const horizon *h) { return !h->opens && (h->desc.flags & CW_HORIZON_TILTED) != 0; }
+
+/* Shares of a free sky are 1: a sum of so many of them. On leaning ground that counts times the normal's upward part. */
+static void finish(void *context, size_t begin, size_t end) {
+    const adding *a = context;
+    for (size_t k = begin; k < end; k++) {
+        a->share[k] = (float)(a->sum[k] / (a->count > 0 ? a->count : (double)a->share[k]));
+        if (a->east) a->share[k] /= sqrtf(1 + a->east[k] * a->east[k] + a->north[k] * a->north[k]);
+    }
+}
+
+/* room: of a double a sample, a float, and two more if the ground leans. */
+static cw_status fill_sum(void *context, const cw_run *run, cw_rectangle at, void *to, void *room) {
+    horizon *h = context;
+    const size_t n = at.nx * at.ny, directions = h->compass.count;
+    adding a = {.share = to, .sum = room, .rises = (float *)((double *)room + n)};
+    if (!h->opens) a.count = (double)directions;
+    if (leans(h)) {
+        a.east = a.rises + n;
+        a.north = a.east + n;
+        cw_terrain_slopes(h->terrain, run->pool, NAN, at, a.east, a.north);
+    }
+    memset(a.share, 0, n * sizeof *a.share);
+    memset(a.sum, 0, n * sizeof *a.sum);
+    for (size_t k = 0; k < directions; k++) {
+        compass_way way;
+        run_part part;
+        const cw_run one = cw_run_share(&part, run, k, directions);
+        cw_status status = cw_compass_look(&h->compass, k, &way);
+        /* Terrain below the level hides nothing of the sky. */
+        const float low = h->opens ? -INFINITY : 0;
+        if (status == CW_OK) status = cw_heading_steepest(way.heading, &one, low, INFINITY, at, a.rises);
+        if (status != CW_OK) return status;
         double sine, cosine;
-        cw_terrain_sine_cosine(h->azimuths[k], &sine, &cosine);
-        a.east = lean;
-        a.north = lean + h->room;
+        cw_terrain_sine_cosine(h->compass.azimuths[k], &sine, &cosine);
+        a.per_rise = (float)(1 / way.slope);
         a.towards[0] = (float)sine;
         a.towards[1] = (float)cosine;
+        cw_pool_run(run->pool, n, GRAIN, h->opens ? add_opening : a.east ? add_tilted_sky : add_sky, &a);
     }
-    cw_pool_run(run->pool, n, GRAIN, count ? add_opening : lean ? add_tilted_sky : add_sky, &a);
+    cw_pool_run(run->pool, n, GRAIN, finish, &a);
     return CW_OK;
 }
 
-typedef struct leaning {
-    const terrain *terrain;
-    cw_rectangle at;
-    float *east, *north, *share;
-} leaning;
-
-static void find_slopes(void *context, size_t begin, size_t end) {
-    const leaning *l = context;
-    const size_t nx = l->at.nx;
-    for (size_t j = begin; j < end; j++)
-        cw_terrain_slope_row(l->terrain, l->at.j + j, l->at.i, nx, l->east + j * nx, l->north + j * nx);
-}
-
-/* Times the normal's upward part. */
-static void turn_upright(void *context, size_t begin, size_t end) {
-    const leaning *l = context;
-    for (size_t k = begin; k < end; k++) l->share[k] /= sqrtf(1 + l->east[k] * l->east[k] + l->north[k] * l->north[k]);
-}
-
-static bool make_room(horizon *h, size_t n) {
-    if (h->room >= n) return true;
-    free(h->work);
-    free(h->sums);
-    h->work = malloc(n * sizeof *h->work * (h->kind == TILTED_SKY ? 3 : 1));
-    h->sums = malloc(n * sizeof *h->sums);
-    h->room = h->work && h->sums ? n : 0;
-    return h->room > 0;
-}
-
-static cw_status fill_sky(void *context, const cw_run *run, cw_rectangle at, void *to) {
-    horizon *h = context;
-    const size_t n = at.nx * at.ny, end = at.j + at.ny, all = at.ny;
-    float *share = to;
-    if (!make_room(h, n)) return cw_fail_plainly(CW_ERROR_MEMORY);
-    leaning lean = {h->terrain, at, h->work + h->room, h->work + 2 * h->room, share};
-    if (h->kind == TILTED_SKY) cw_pool_run(run->pool, at.ny, 4, find_slopes, &lean);
-    for (size_t k = 0; k < n; k++) h->sums[k] = 0;
-    for (size_t k = 0; k < n && h->kind == OPENNESS; k++) share[k] = 0; /* counts of directions at first */
-    for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny) {
-        cw_compass_turn(&h->compass, &at, end);
-        run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
-        const cw_run some = cw_run_part_of(&part);
-        for (size_t k = 0; k < h->count; k++) {
-            run_part way;
-            const cw_run one = cw_run_share(&way, &some, k, h->count);
-            const cw_status status =
-                add_direction(h, &one, k, at, h->kind == OPENNESS ? share + done * at.nx : NULL,
-                              h->kind == TILTED_SKY ? lean.east + done * at.nx : NULL, h->sums + done * at.nx);
-            if (status != CW_OK) return status;
-        }
-    }
-    /* Shares of a free sky are 1: a sum of so many of them. */
-    for (size_t k = 0; k < n; k++)
-        share[k] = (float)(h->sums[k] / (h->kind == OPENNESS ? (double)share[k] : (double)h->count));
-    if (h->kind == TILTED_SKY) cw_pool_run(run->pool, n, GRAIN, turn_upright, &lean);
-    return CW_OK;
-}
-
-static cw_status make_sum(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, cw_area area, int kind,
+static cw_status make_sum(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, cw_area area, bool opens,
                           float *to, const char *name) {
-    horizon h;
     cw_run how;
     cw_status status = cw_area_begin(t, desc, "horizon", run, &area, &how);
+    if (status == CW_OK) status = check(desc);
+    if (status == CW_OK) status = cw_check_number("flags", desc->flags, 0, CW_HORIZON_TILTED + CW_HORIZON_BELOW);
+    const bool below = status == CW_OK && (desc->flags & CW_HORIZON_BELOW) != 0;
+    if (below && desc->curvature != 0)
+        status = cw_fail(CW_ERROR_ARGUMENT, "curvature: %g; with CW_HORIZON_BELOW the earth is flat", desc->curvature);
     if (status != CW_OK) return status;
-    status = create(&h, t, desc, &how, kind);
-    if (status == CW_OK) status = cw_area_make(area, &how, sizeof *to, fill_sky, &h, to, name);
-    destroy(&h);
+    horizon h = {.terrain = t, .desc = *desc, .opens = opens};
+    if (below) status = turn_over(&h, &how);
+    if (status == CW_OK) status = make_compass(&h);
+    const size_t room = sizeof(double) + (leans(&h) ? 3 : 1) * sizeof(float);
+    if (status == CW_OK) status = cw_compass_make(&h.compass, area, &how, sizeof *to, room, fill_sum, &h, to, name);
+    cw_compass_destroy(&h.compass);
+    cw_field_destroy(h.field);
+    free(h.turned);
     return status;
 }
 
 cw_status cw_sky_view(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, cw_area area, float *share) {
-    const bool tilted = desc && (desc->flags & CW_HORIZON_TILTED) != 0;
     if (desc && (desc->flags & CW_HORIZON_BELOW) != 0)
         return cw_fail(CW_ERROR_ARGUMENT, "flags: %u; CW_HORIZON_BELOW goes with cw_openness alone", desc->flags);
-    return make_sum(t, run, desc, area, tilted ? TILTED_SKY : SKY, share, "share");
+    return make_sum(t, run, desc, area, false, share, "share");
 }
 
 cw_status cw_openness(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, cw_area area, float *degrees) {
-    return make_sum(t, run, desc, area, OPENNESS, degrees, "degrees");
+    return make_sum(t, run, desc, area, true, degrees, "degrees");
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "normal.h"
 
+#include "cellwalk_expert.h"
+
 #include <math.h>
 
 /* Each triangle of the grid covers the same half cell, so the area-weighted mean of normals (-x, -y, 1) is the mean of the
@@ -50,25 +52,38 @@ static void find_leans(const terrain *t, size_t j, size_t from, size_t count, fl
     }
 }
 
-void cw_terrain_slope_row_as(const terrain *t, double row, size_t j, size_t from, size_t count, float *restrict east,
-                             float *restrict north) {
-    const terrain *whole = terrain_whole(t);
-    double metres[2];
-    cw_terrain_metres(whole, 0.5 * (double)(whole->nx - 1), row, metres);
-    float to_east[2], to_north[2];
-    for (int k = 0; k < 2; k++) {
-        to_east[k] = (float)(t->back[k][0] * t->map[2][2] / metres[0]);
-        to_north[k] = (float)(t->back[k][1] * t->map[2][2] / metres[1]);
-    }
-    find_leans(t, j, from, count, east, north);
-    for (size_t i = 0; i < count; i++) {
-        const float x = east[i], y = north[i];
-        east[i] = x * to_east[0] + y * to_east[1];
-        north[i] = x * to_north[0] + y * to_north[1];
+typedef struct slopes {
+    const terrain *terrain;
+    double row;
+    cw_rectangle at;
+    float *east, *north;
+} slopes;
+
+static void find_rows(void *context, size_t begin, size_t end) {
+    const slopes *s = context;
+    const terrain *t = s->terrain, *whole = terrain_whole(t);
+    const size_t nx = s->at.nx;
+    for (size_t y = begin; y < end; y++) {
+        const size_t j = s->at.j + y;
+        float *restrict east = s->east + y * nx, *restrict north = s->north + y * nx;
+        double metres[2];
+        cw_terrain_metres(whole, 0.5 * (double)(whole->nx - 1), isnan(s->row) ? (double)(j + t->row) : s->row, metres);
+        float to_east[2], to_north[2];
+        for (int k = 0; k < 2; k++) {
+            to_east[k] = (float)(t->back[k][0] * t->map[2][2] / metres[0]);
+            to_north[k] = (float)(t->back[k][1] * t->map[2][2] / metres[1]);
+        }
+        find_leans(t, j, s->at.i, nx, east, north);
+        for (size_t i = 0; i < nx; i++) {
+            const float a = east[i], b = north[i];
+            east[i] = a * to_east[0] + b * to_east[1];
+            north[i] = a * to_north[0] + b * to_north[1];
+        }
     }
 }
 
-void cw_terrain_slope_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict east,
-                          float *restrict north) {
-    cw_terrain_slope_row_as(t, (double)(j + t->row), j, from, count, east, north);
+void cw_terrain_slopes(const terrain *t, cw_pool *pool, double row, cw_rectangle at, float *east, float *north) {
+    enum { ROWS = 4 };
+    slopes s = {t, row, at, east, north};
+    cw_pool_run(pool, at.ny, ROWS, find_rows, &s);
 }

@@ -6,12 +6,8 @@
 
 #include "terrain.h"
 
-/* Slopes of the surface at count samples of row j from one on, metres in a metre: how it rises eastward and northward; NaN where there
- * is no triangle. */
-void cw_terrain_slope_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict east,
-                          float *restrict north);
-/* With the metres of a row of the whole raster, for rows that share a heading. */
-void cw_terrain_slope_row_as(const terrain *t, double row, size_t j, size_t from, size_t count, float *restrict east,
-                             float *restrict north);
+/* Slopes of the surface at the samples of a rectangle, metres in a metre: how it rises eastward and northward; NaN where there is no
+ * triangle. Metres are those of a row of the whole raster, for rows that share a heading, or if row is NaN each row's own. */
+void cw_terrain_slopes(const terrain *t, cw_pool *pool, double row, cw_rectangle at, float *east, float *north);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reach.h"
 
+#include "compass.h"
+
 #include <math.h>
 #include <stdlib.h>
 

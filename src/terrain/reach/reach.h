@@ -6,7 +6,7 @@
 #ifndef CELLWALK_TERRAIN_REACH_H
 #define CELLWALK_TERRAIN_REACH_H
 
-#include "compass.h"
+#include "terrain.h"
 
 /* The samples that lines from a place to samples of the part pass; the place may lie outside the raster. */
 cw_rectangle cw_reach_between(const terrain *whole, const double at[2], cw_rectangle part);

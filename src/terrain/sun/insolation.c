@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Suns are sorted by the direction from which they cast their shadow. A direction with one sun takes a shadow; one with
- * several takes the horizon between the lowest and the highest of them, once for all. */
+/* Suns are sorted by the direction from which they cast their shadow. In each of them the horizon is found once,
+ * between the lowest and the highest sun. */
 
 #include "insolation.h"
 
@@ -8,7 +8,6 @@
 #include "compass.h"
 #include "normal.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,18 +25,13 @@ typedef struct sector {
 
 struct insolation {
     const terrain *terrain;
-    insolation_desc desc;
+    double hours, linke; /* of the description; hours 1 with weights */
     bool weighted;
     beam *beams;
-    size_t beam_count;
-    sector *sectors;
-    size_t sector_count;
-    double *azimuths; /* a sector's */
+    sector *sectors; /* one for each direction of the compass */
     double diffuse;
     bool energy; /* is summed, on the ground as it leans; else hours or weights */
     compass compass;
-    void *work;
-    size_t room;
 };
 
 static int by_direction(const void *one, const void *other) {
@@ -46,8 +40,9 @@ static int by_direction(const void *one, const void *other) {
     return a->sun.altitude < b->sun.altitude ? -1 : a->sun.altitude > b->sun.altitude;
 }
 
-static void take_suns(insolation *s) {
-    const insolation_desc *d = &s->desc;
+static void take_suns(insolation *s, const insolation_desc *d) {
+    compass *c = &s->compass;
+    size_t beams = 0;
     for (size_t k = 0; k < d->count; k++) {
         const sun_position *p = &d->suns[k];
         if (!(p->altitude > 0)) continue;
@@ -56,57 +51,36 @@ static void take_suns(insolation *s) {
             const size_t n = (size_t)nearbyint(direction / 360 * (double)d->directions) % d->directions;
             direction = 360 * (double)n / (double)d->directions;
         }
-        s->beams[s->beam_count++] = (beam){direction, *p, d->weights ? d->weights[k] : 1};
+        s->beams[beams++] = (beam){direction, *p, d->weights ? d->weights[k] : 1};
         s->diffuse += cw_clear_sky_diffuse(d->linke, p->distance, p->altitude - p->refraction) * d->hours;
     }
-    qsort(s->beams, s->beam_count, sizeof *s->beams, by_direction);
-    for (size_t k = 0; k < s->beam_count; k++) {
+    qsort(s->beams, beams, sizeof *s->beams, by_direction);
+    c->count = 0;
+    for (size_t k = 0; k < beams; k++) {
         if (k == 0 || s->beams[k].direction != s->beams[k - 1].direction) {
-            s->azimuths[s->sector_count] = s->beams[k].direction;
-            s->sectors[s->sector_count++] = (sector){k, 0};
+            c->azimuths[c->count] = s->beams[k].direction;
+            s->sectors[c->count++] = (sector){k, 0};
         }
-        s->sectors[s->sector_count - 1].count++;
+        s->sectors[c->count - 1].count++;
     }
-    s->weighted = d->weights != NULL;
-    if (s->weighted) s->desc.hours = 1;
-    s->desc.suns = NULL;
-    s->desc.weights = NULL;
 }
 
-static bool good_suns(const insolation_desc *d) {
-    for (size_t k = 0; k < d->count; k++)
-        if (!(isfinite(d->suns[k].azimuth) && fabs(d->suns[k].altitude) <= 90 && d->suns[k].distance > 0) ||
-            (d->weights && !isfinite(d->weights[k])))
-            return false;
-    return true;
-}
-
-cw_status cw_insolation_create(const terrain *t, const insolation_desc *desc, insolation **out) {
-    *out = NULL;
-    cw_status status = cw_check_number("hours", desc->hours, DBL_MIN, DBL_MAX);
-    if (status == CW_OK) status = cw_check_number("linke", desc->linke, DBL_MIN, DBL_MAX);
-    if (status == CW_OK) status = cw_check_number("curvature", desc->curvature, 0, DBL_MAX);
-    if (status == CW_OK) status = cw_check_number("directions", (double)desc->directions, 0, COMPASS_MOST);
-    if (status == CW_OK && !good_suns(desc)) status = cw_fail(CW_ERROR_ARGUMENT, "suns: a place is none of a sun");
-    if (status != CW_OK) return status;
-    insolation *s = calloc(1, sizeof *s);
+cw_status cw_insolation_create(const terrain *t, const insolation_desc *d, insolation **out) {
+    insolation *s = *out = calloc(1, sizeof *s);
     if (s == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    const size_t room = desc->count > 0 ? desc->count : 1;
-    s->terrain = t;
-    s->desc = *desc;
+    const size_t room = d->count > 0 ? d->count : 1;
+    *s = (insolation){
+        .terrain = t, .hours = d->weights ? 1 : d->hours, .linke = d->linke, .weighted = d->weights != NULL};
     s->beams = calloc(room, sizeof *s->beams);
     s->sectors = calloc(room, sizeof *s->sectors);
-    s->azimuths = calloc(room, sizeof *s->azimuths);
-    if (!(s->beams && s->sectors && s->azimuths)) status = cw_fail_plainly(CW_ERROR_MEMORY);
+    cw_status status = cw_compass_create(&s->compass, t, room, 0, d->curvature);
+    if (status == CW_OK && !(s->beams && s->sectors)) status = cw_fail_plainly(CW_ERROR_MEMORY);
     if (status == CW_OK) {
-        take_suns(s);
-        status = cw_compass_create(&s->compass, t, s->azimuths, s->sector_count > 0 ? s->sector_count : 1, 0,
-                                   desc->curvature);
+        take_suns(s, d);
+        return CW_OK;
     }
-    if (status == CW_OK)
-        *out = s;
-    else
-        cw_insolation_destroy(s);
+    cw_insolation_destroy(s);
+    *out = NULL;
     return status;
 }
 
@@ -115,15 +89,13 @@ void cw_insolation_destroy(insolation *s) {
     cw_compass_destroy(&s->compass);
     free(s->beams);
     free(s->sectors);
-    free(s->azimuths);
-    free(s->work);
     free(s);
 }
 
-size_t cw_insolation_directions(const insolation *s) { return s->sector_count; }
+size_t cw_insolation_directions(const insolation *s) { return s->compass.count; }
 
 void cw_insolation_direction(const insolation *s, size_t number, double *azimuth, double *lowest) {
-    *azimuth = s->azimuths[number];
+    *azimuth = s->compass.azimuths[number];
     *lowest = s->beams[s->sectors[number].first].sun.altitude;
 }
 
@@ -146,9 +118,8 @@ typedef struct light {
 static void make_light(const insolation *s, const beam *b, light *out) {
     const sun_position *p = &b->sun;
     for (int k = 0; k < LEVELS; k++)
-        out->level[k] = s->weighted
-                            ? (float)b->weight
-                            : (float)cw_clear_sky_direct(s->desc.linke, p->distance, p->altitude, LOWEST + STEP * k);
+        out->level[k] = s->weighted ? (float)b->weight
+                                    : (float)cw_clear_sky_direct(s->linke, p->distance, p->altitude, LOWEST + STEP * k);
     double sine, cosine, up, level;
     cw_terrain_sine_cosine(p->azimuth, &sine, &cosine);
     cw_terrain_sine_cosine(p->altitude, &up, &level);
@@ -157,51 +128,58 @@ static void make_light(const insolation *s, const beam *b, light *out) {
     out->up = (float)up;
 }
 
-/* The numbers of each sample of the rows. */
-typedef struct ground_lie {
-    float *east, *north, *upright,
-        *place; /* slopes; the normal's upward part; the place between the levels of height */
-} ground_lie;
-
+/* Sums over suns for the samples of a block. */
 typedef struct adding {
-    const uint8_t *occluded; /* NULL: rises say it */
-    const float *rises;
-    float rise; /* the sun's */
-    float *count;
-    double *energy; /* or weights */
+    const insolation *sun;
+    cw_rectangle at;
+    float *rises, *count; /* count: of suns without weights */
+    double *sum;
+    /* For energy: slopes, the normal's upward part, and the place between the levels of height. */
+    float *east, *north, *upright, *place;
+    /* Of the present sun: */
+    float rise;
     double weight;
-    ground_lie lie;
-    const light *light;
+    light light;
 } adding;
 
-static bool is_lit(const adding *a, size_t k) { return a->occluded ? a->occluded[k] == 0 : a->rises[k] < a->rise; }
-
-/* Occlusion is 0 or 1. Of rises, that of a hole is NaN, and it is not lit. */
+/* The rise of a hole is NaN, and it is not lit. */
 static void add_hours(void *context, size_t begin, size_t end) {
     const adding *a = context;
+    const float *restrict rises = a->rises, rise = a->rise;
     float *restrict count = a->count;
-    if (a->occluded)
-        for (size_t k = begin; k < end; k++) count[k] += (float)(1 - a->occluded[k]);
-    else
-        for (size_t k = begin; k < end; k++) count[k] += a->rises[k] < a->rise ? 1.0f : 0.0f;
+    for (size_t k = begin; k < end; k++) count[k] += rises[k] < rise ? 1.0f : 0.0f;
 }
 
 static void add_weights(void *context, size_t begin, size_t end) {
     const adding *a = context;
     for (size_t k = begin; k < end; k++)
-        if (is_lit(a, k)) a->energy[k] += a->weight;
+        if (a->rises[k] < a->rise) a->sum[k] += a->weight;
 }
 
 static void add_energy(void *context, size_t begin, size_t end) {
     const adding *a = context;
-    const light *l = a->light;
-    const ground_lie *g = &a->lie;
+    const light *l = &a->light;
     for (size_t k = begin; k < end; k++) {
-        const float cosine = (l->up - g->east[k] * l->east - g->north[k] * l->north) * g->upright[k];
-        if (!(cosine > 0) || !is_lit(a, k)) continue;
-        const int below = (int)g->place[k];
-        const float part = g->place[k] - (float)below;
-        a->energy[k] += (double)(cosine * (l->level[below] + part * (l->level[below + 1] - l->level[below])));
+        const float cosine = (l->up - a->east[k] * l->east - a->north[k] * l->north) * a->upright[k];
+        if (!(cosine > 0) || !(a->rises[k] < a->rise)) continue;
+        const int below = (int)a->place[k];
+        const float part = a->place[k] - (float)below;
+        a->sum[k] += (double)(cosine * (l->level[below] + part * (l->level[below + 1] - l->level[below])));
+    }
+}
+
+static float height_at(const adding *a, size_t k) {
+    return terrain_row(a->sun->terrain, a->at.j + k / a->at.nx)[a->at.i + k % a->at.nx];
+}
+
+static void find_lie(void *context, size_t begin, size_t end) {
+    const adding *a = context;
+    const double scale = terrain_metres_of_height(a->sun->terrain);
+    for (size_t k = begin; k < end; k++) {
+        const float z = height_at(a, k);
+        const double height = fmin(fmax((double)z * scale, LOWEST), HIGHEST - 1);
+        a->upright[k] = 1 / sqrtf(1 + a->east[k] * a->east[k] + a->north[k] * a->north[k]);
+        a->place[k] = isfinite(z) ? (float)((height - LOWEST) / STEP) : 0;
     }
 }
 
@@ -209,129 +187,65 @@ static void add_energy(void *context, size_t begin, size_t end) {
 
 enum { GRAIN = 1 << 14, HEADINGS_KEPT = 64 };
 
-typedef struct block {
-    insolation *sum;
-    const cw_run *run;
-    cw_rectangle at;
-    float *rises;
-    uint8_t *occluded; /* the same memory */
-    bool energy;       /* on the ground as it leans */
-    adding add;
-} block;
-
-static cw_status add_sector(block *b, size_t number) {
-    insolation *s = b->sum;
+static cw_status add_sector(insolation *s, const cw_run *run, size_t number, adding *a) {
     const sector *of = &s->sectors[number];
     const beam *beams = s->beams + of->first;
-    cw_heading *heading;
-    double slope;
-    cw_status status = cw_compass_heading(&s->compass, number, &heading, &slope);
+    compass_way way;
+    cw_status status = cw_compass_look(&s->compass, number, &way);
     if (status != CW_OK) return status;
-    const float low = cw_compass_rise(slope, beams->sun.altitude),
-                high = cw_compass_rise(slope, beams[of->count - 1].sun.altitude);
-    b->add.occluded = of->count == 1 ? b->occluded : NULL;
-    b->add.rises = b->rises;
+    const float low = cw_compass_rise(way.slope, beams->sun.altitude),
+                high = cw_compass_rise(way.slope, beams[of->count - 1].sun.altitude);
     /* A rise that is cut off at the lower end must be below the lowest sun's. */
-    status = of->count == 1 ? cw_heading_occluded(heading, b->run, low, b->at, b->occluded)
-                            : cw_heading_steepest(heading, b->run, nextafterf(low, -INFINITY), high, b->at, b->rises);
-    if (s->sector_count > HEADINGS_KEPT) cw_compass_release(&s->compass, number);
+    status = cw_heading_steepest(way.heading, run, nextafterf(low, -INFINITY), high, a->at, a->rises);
+    if (s->compass.count > HEADINGS_KEPT) cw_compass_release(&s->compass, number);
     for (size_t k = 0; k < of->count && status == CW_OK; k++) {
-        light l;
-        if (b->energy) make_light(s, beams + k, &l);
-        b->add.light = &l;
-        b->add.rise = cw_compass_rise(slope, beams[k].sun.altitude);
-        b->add.weight = beams[k].weight;
-        cw_pool_run(b->run->pool, b->at.nx * b->at.ny, GRAIN,
-                    b->energy       ? add_energy
-                    : b->add.energy ? add_weights
-                                    : add_hours,
-                    &b->add);
+        if (s->energy) make_light(s, beams + k, &a->light);
+        a->rise = cw_compass_rise(way.slope, beams[k].sun.altitude);
+        a->weight = beams[k].weight;
+        cw_pool_run(run->pool, a->at.nx * a->at.ny, GRAIN,
+                    s->energy     ? add_energy
+                    : s->weighted ? add_weights
+                                  : add_hours,
+                    a);
     }
     return status;
 }
 
-/* Slopes and heights of a block. */
-typedef struct lying {
-    const terrain *terrain;
-    cw_rectangle at;
-    ground_lie lie;
-} lying;
-
-static void find_lie(void *context, size_t begin, size_t end) {
-    const lying *l = context;
-    const terrain *t = l->terrain;
-    const double scale = terrain_metres_of_height(t);
-    for (size_t j = begin; j < end; j++) {
-        const size_t first = j * l->at.nx;
-        const float *row = terrain_row(t, l->at.j + j) + l->at.i;
-        float *east = l->lie.east + first, *north = l->lie.north + first;
-        cw_terrain_slope_row(t, l->at.j + j, l->at.i, l->at.nx, east, north);
-        for (size_t i = 0; i < l->at.nx; i++) {
-            const float z = row[i];
-            const double height = fmin(fmax((double)z * scale, LOWEST), HIGHEST - 1);
-            l->lie.upright[first + i] = 1 / sqrtf(1 + east[i] * east[i] + north[i] * north[i]);
-            l->lie.place[first + i] = isfinite(z) ? (float)((height - LOWEST) / STEP) : 0;
-        }
-    }
-}
-
-/* Room for so many floats a sample, and doubles. */
-static float *work(insolation *s, size_t samples, size_t floats, size_t doubles, double **out) {
-    const size_t bytes = samples * (floats * sizeof(float) + doubles * sizeof(double));
-    if (bytes > s->room) {
-        free(s->work);
-        s->work = malloc(bytes);
-        s->room = s->work ? bytes : 0;
-    }
-    *out = s->work;
-    return s->work ? (float *)(*out + samples * doubles) : NULL;
-}
-
-static cw_status fill(void *context, const cw_run *run, cw_rectangle at, void *to) {
+/* room: of a double a sample and a float, or for energy five. */
+static cw_status fill(void *context, const cw_run *run, cw_rectangle at, void *to, void *room) {
     insolation *s = context;
-    const bool energy = s->energy;
-    float *out = to;
-    const size_t n = at.nx * at.ny, first = at.j, all = at.ny, end = at.j + at.ny;
-    const bool doubles = energy || s->weighted;
-    double *energies;
-    float *floats = work(s, n, energy ? 5 : 1, doubles, &energies);
-    if (floats == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    lying l = {s->terrain, at, {floats + n, floats + 2 * n, floats + 3 * n, floats + 4 * n}};
-    if (doubles) memset(energies, 0, n * sizeof *energies);
-    if (energy) cw_pool_run(run->pool, at.ny, 4, find_lie, &l);
+    const size_t n = at.nx * at.ny;
+    const bool sums = s->energy || s->weighted;
+    float *out = to, *floats = (float *)((double *)room + n);
+    adding a = {.sun = s, .at = at, .rises = floats, .count = out, .sum = room};
+    if (sums) memset(a.sum, 0, n * sizeof *a.sum);
     memset(out, 0, n * sizeof *out);
-    for (; at.j < end; at.j += at.ny) {
-        cw_compass_turn(&s->compass, &at, end);
-        run_part part = {run, (double)(at.j - first) / (double)all, (double)(at.j + at.ny - first) / (double)all};
-        const cw_run some = cw_run_part_of(&part);
-        const size_t done = (at.j - first) * at.nx;
-        block b = {.sum = s, .at = at, .rises = floats, .occluded = (uint8_t *)floats};
-        b.add.count = out + done;
-        b.energy = energy;
-        b.add.energy = doubles ? energies + done : NULL;
-        if (energy)
-            b.add.lie = (ground_lie){l.lie.east + done, l.lie.north + done, l.lie.upright + done, l.lie.place + done};
-        for (size_t k = 0; k < s->sector_count; k++) {
-            run_part way;
-            const cw_run one = cw_run_share(&way, &some, k, s->sector_count);
-            b.run = &one;
-            const cw_status status = add_sector(&b, k);
-            if (status != CW_OK) return status;
-        }
+    if (s->energy) {
+        a.east = floats + n;
+        a.north = floats + 2 * n;
+        a.upright = floats + 3 * n;
+        a.place = floats + 4 * n;
+        cw_terrain_slopes(s->terrain, run->pool, NAN, at, a.east, a.north);
+        cw_pool_run(run->pool, n, GRAIN, find_lie, &a);
     }
-    for (size_t y = 0; y < all; y++) {
-        const float *z = terrain_row(s->terrain, first + y) + at.i;
-        for (size_t x = 0, k = y * at.nx; x < at.nx; x++, k++)
-            out[k] = !isfinite(z[x]) ? NAN : (float)((doubles ? energies[k] : (double)out[k]) * s->desc.hours);
+    for (size_t k = 0; k < s->compass.count; k++) {
+        run_part way;
+        const cw_run one = cw_run_share(&way, run, k, s->compass.count);
+        const cw_status status = add_sector(s, &one, k, &a);
+        if (status != CW_OK) return status;
     }
+    for (size_t k = 0; k < n; k++)
+        out[k] = isfinite(height_at(&a, k)) ? (float)((sums ? a.sum[k] : (double)out[k]) * s->hours) : NAN;
     return CW_OK;
 }
 
 static cw_status make(insolation *s, const cw_run *run, cw_area area, bool energy, float *out, const char *name) {
     cw_run how;
     const cw_status status = cw_area_begin(s->terrain, s, "sum", run, &area, &how);
+    if (status != CW_OK) return status;
     s->energy = energy;
-    return status == CW_OK ? cw_area_make(area, &how, sizeof *out, fill, s, out, name) : status;
+    const size_t room = sizeof(double) + (energy ? 5 : 1) * sizeof(float);
+    return cw_compass_make(&s->compass, area, &how, sizeof *out, room, fill, s, out, name);
 }
 
 cw_status cw_insolation_hours(insolation *s, const cw_run *run, cw_area area, float *hours) {

@@ -62,7 +62,7 @@ void cw_sun_day_lean(const terrain *t, const double at[2], sun_day_desc *d) {
     const size_t i = (size_t)fmin(fmax(nearbyint(at[0]), 0), (double)(t->nx - 1)),
                  j = (size_t)fmin(fmax(nearbyint(at[1]), 0), (double)(t->ny - 1));
     float slope[2];
-    cw_terrain_slope_row(t, j, i, 1, &slope[0], &slope[1]);
+    cw_terrain_slopes(t, NULL, NAN, (cw_rectangle){i, j, 1, 1}, &slope[0], &slope[1]);
     const double east = (double)slope[0], north = (double)slope[1];
     const bool known = isfinite(east) && isfinite(north);
     d->tilt = known ? atan(hypot(east, north)) / degree : 0;
