@@ -88,7 +88,7 @@ def wrong_products(map):
                 ("count 3601 3600", "sky_view", horizon(count=3601), {}), ("flags 4 3", "sky_view", horizon(flags=4), {}),
                 ("curvature", "openness", horizon(flags=2, curvature=1), {}), ("stride 30 31", "visibility area", sight(every=2), {"stride": 30}),
                 ("directions 3601 3600", "visibility area", sight(directions=3601), {}), ("height", "visibility area", sight(height=-1), {}),
-                ("eye limit", "visibility area", sight(height=1e38), {}), ("drop limit", "visibility area", sight(curvature=1e99), {})]
+                ("height", "visibility area", sight(height=1e38), {}), ("curvature", "visibility area", sight(curvature=1e99), {})]
     ranges = "nearest verticals out of range"
     for said, more in [("limits 4 3", {"limits": 4}), ("height under the ground", {"height": -0.0011}), (ranges, {"nearest": -1}),
                        (ranges, {"farthest": np.nan}), (ranges, {"azimuths": (0, np.inf), "limits": 1}),

@@ -35,13 +35,13 @@ typedef struct cw_visible_sums {
 
 /* Eyes at each every-th column and row of the rectangle, from its first ones on: ceil(nx / every) a row. The caller owns it, and
  * destroys it before the field, which must not be changed meanwhile. It has a copy of the field's samples, and a quarter
- * more.
- * On failure *visible is NULL: CW_ERROR_ARGUMENT, _MEMORY. */
+ * more. On failure *visible is NULL. */
 cw_status cw_visible_create(const cw_field *field, cw_rectangle at, size_t every, cw_visible **visible);
 /* NULL is allowed. */
 void cw_visible_destroy(cw_visible *visible);
-/* Adds a direction for rows row to row + rows - 1 of the eyes; the sums begin with the first of these. Directions of the same
- * longer axis and sign should follow each other. Not from two threads at once. */
+/* Adds a direction for rows row to row + rows - 1 of the eyes, of which there are some; the sums begin with the first of these.
+ * Directions of the same longer axis and sign should follow each other. In the IEEE default environment, and not from two threads at
+ * once. Of the run's kernel only the instruction set is used. */
 cw_status cw_visible_add(cw_visible *visible, const cw_run *run, const cw_visible_desc *desc, size_t row, size_t rows,
                          cw_visible_sums sums);
 

@@ -13,12 +13,23 @@ static ptrdiff_t column_at(const cw_visible *v, ptrdiff_t column) {
     return (column - number * every) * v->segment + number;
 }
 
-static bool make_room(float **memory, size_t *room, size_t count) {
-    if (*room >= count) return true;
-    large_release(*memory);
-    *memory = large_allocate(count * sizeof(float));
-    *room = *memory ? count : 0;
-    return *memory != NULL;
+/* Room for so many floats, or NULL with an error. */
+static float *make_room(cw_visible *v, int array, size_t count) {
+    if (v->array[array].count < count) {
+        large_release(v->array[array].at);
+        v->array[array].at = large_allocate(count * sizeof(float));
+        v->array[array].count = v->array[array].at ? count : 0;
+    }
+    if (v->array[array].at == NULL) cw_fail_plainly(CW_ERROR_MEMORY);
+    return v->array[array].at;
+}
+
+/* The same for rows of the land or of blocks, with `none` before and after them. */
+static float *make_rows(cw_visible *v, int array, size_t rows, float none) {
+    const size_t count = rows * (size_t)v->stride;
+    float *at = make_room(v, array, count + 2 * AROUND);
+    for (size_t k = 0; k < AROUND && at; k++) at[k] = at[count + AROUND + k] = none;
+    return at;
 }
 
 typedef struct turning {
@@ -56,10 +67,9 @@ cw_status cw_visible_turn(cw_visible *v, const double dir[2], const cw_run *how)
     const size_t number = (v->across + v->before + v->every - 1) / v->every;
     v->segment = (ptrdiff_t)((number + 2 * VISIBLE_MARGIN + VISIBLE_GROUP - 1) / VISIBLE_GROUP * VISIBLE_GROUP);
     v->stride = v->segment * (ptrdiff_t)v->every;
-    if (!make_room(&v->memory, &v->room, v->down * (size_t)v->stride + 2 * AROUND))
-        return cw_fail_plainly(CW_ERROR_MEMORY);
-    for (size_t k = 0; k < AROUND; k++) v->memory[k] = v->memory[v->down * (size_t)v->stride + AROUND + k] = NAN;
-    turning t = {v, v->memory + AROUND + VISIBLE_MARGIN};
+    float *land = make_rows(v, LAND, v->down, NAN);
+    if (land == NULL) return CW_ERROR_MEMORY;
+    turning t = {v, land + AROUND + VISIBLE_MARGIN};
     cw_run quiet = *how;
     quiet.watch = NULL;
     const cw_status status = cw_run_work(&quiet, v->down, 16, 64, turn_rows, &t);
@@ -97,13 +107,13 @@ static void bound_blocks(void *context, size_t begin, size_t end) {
     cw_visible *v = b->view;
     const int last = b->level > 0 ? 7 : 8;
     for (size_t block = begin; block < end; block++) {
-        float *to = v->bound_memory[b->level] + AROUND + (ptrdiff_t)block * v->stride;
-        float *least = b->level > 0 ? NULL : v->level_memory + AROUND + (ptrdiff_t)block * v->stride;
+        float *to = v->array[BOUND + b->level].at + AROUND + (ptrdiff_t)block * v->stride;
+        float *least = b->level > 0 ? NULL : v->array[LEVEL].at + AROUND + (ptrdiff_t)block * v->stride;
         for (ptrdiff_t k = 0; k < v->stride; k++) to[k] = -INFINITY;
         for (ptrdiff_t k = 0; k < v->stride && least; k++) least[k] = INFINITY;
         for (int q = 0; q <= last && 8 * block + (size_t)q < b->blocks; q++) {
-            const float *from = (b->level > 0 ? v->bound_memory[0] : v->memory) + AROUND +
-                                (ptrdiff_t)(8 * block + (size_t)q) * v->stride;
+            const float *from =
+                v->array[b->level > 0 ? BOUND : LAND].at + AROUND + (ptrdiff_t)(8 * block + (size_t)q) * v->stride;
             ptrdiff_t low, high, at[COLUMNS_MOST];
             columns_of(v, b->level, q, &low, &high);
             for (size_t phase = 0; phase < v->every; phase++) {
@@ -136,14 +146,8 @@ cw_status cw_visible_bound(cw_visible *v, const cw_run *how, double aside, doubl
     for (int l = 0; l < VISIBLE_LEVELS; l++) {
         bounding b = {v, v->code, l, blocks};
         blocks = (blocks + 7) / 8;
-        const size_t count = blocks * (size_t)v->stride;
-        if (!make_room(&v->bound_memory[l], &v->bound_room[l], count + 2 * AROUND) ||
-            (l == 0 && !make_room(&v->level_memory, &v->level_room, count + 2 * AROUND)))
-            return cw_fail_plainly(CW_ERROR_MEMORY);
-        for (size_t k = 0; k < AROUND; k++) {
-            v->bound_memory[l][k] = v->bound_memory[l][count + AROUND + k] = -INFINITY;
-            if (l == 0) v->level_memory[k] = v->level_memory[count + AROUND + k] = NAN;
-        }
+        if (!make_rows(v, BOUND + l, blocks, -INFINITY) || (l == 0 && !make_rows(v, LEVEL, blocks, NAN)))
+            return CW_ERROR_MEMORY;
         const cw_status status = cw_run_work(&quiet, blocks, 4, 16, bound_blocks, &b);
         if (status != CW_OK) return status;
     }
@@ -200,27 +204,15 @@ static size_t row_of_crossings(double aside, size_t k, place row[CROSSINGS_MOST]
     return count;
 }
 
-void cw_visible_free_ways(ways *w) {
-    large_release(w->crossing);
-    large_release(w->piece);
-    large_release(w->whole);
-    large_release(w->run);
-    large_release(w->sunk);
-    large_release(w->until);
-    large_release(w->entry);
-    *w = (ways){0};
-}
-
 /* Up to here all sums are exact in double: the area is at most 2^32, and the least unit 2^-20. */
 enum { EXACT_STEPS = 1 << 16, LEAST_UNIT = -20 };
 
 /* Runs near the eye are short, so that their units are small. Units depend on where a run begins and on its length alone, and not on
  * how far the land goes: as each row has a crossing, a run goes through no more rows than it has pieces. */
-static void add_areas(ways *w) {
+static void add_areas(visible_piece *piece, size_t pieces, visible_run *run, double *whole) {
     double all = 0;
-    visible_run *run = w->run;
-    for (size_t k = 0; k < w->crossings; k++) {
-        visible_piece *p = &w->piece[k];
+    for (size_t k = 0; k < pieces; k++) {
+        visible_piece *p = &piece[k];
         if (k == 0 || k == run->until) {
             const size_t length = k == 0 ? 8 : k < VISIBLE_RUN ? k : VISIBLE_RUN;
             run += k > 0;
@@ -232,16 +224,16 @@ static void add_areas(ways *w) {
         p->length *= run->scale;
         p->twice *= run->scale;
         all -= trunc((double)(p->length * (p->length - p->twice))) * run->unit;
-        w->whole[k] = all;
+        whole[k] = all;
     }
 }
 
 /* How far the eye must stand over a level block that begins at row k so that slopes rise from each crossing in it to the next, after
  * rounding, too: papers/numerics.md. */
-static float sunk_at(const ways *w, size_t k) {
+static float sunk_at(const visible_crossing *crossing, const uint32_t *until) {
     enum { LEAST = -80 }; /* whatever is higher does not become denormal on the way */
     const double u = 0x1p-24;
-    const visible_crossing *c = w->crossing + w->until[k] - 1, *last = w->crossing + w->until[k + 8] - 1;
+    const visible_crossing *c = crossing + until[0] - 1, *last = crossing + until[8] - 1;
     const double rounding_of_slopes = 5 * u * (double)c->inverse, rounding_of_drops = 5 * u * (double)last->drop;
     double nearer = INFINITY,
            lower = 0; /* slopes rise by this for a height of 1 at least, and fall by curvature at most */
@@ -254,46 +246,57 @@ static float sunk_at(const ways *w, size_t k) {
                       : INFINITY;
 }
 
-cw_status cw_visible_make_ways(const cw_visible *v, ways *w) {
-    const double columns = fabs(w->aside) > 0 ? (double)(v->across - 1) / fabs(w->aside) : INFINITY;
+cw_status cw_visible_make_ways(cw_visible *v, double aside, double reach, double drop, visible_job *job) {
+    const double columns = fabs(aside) > 0 ? (double)(v->across - 1) / fabs(aside) : INFINITY;
     double rows = lesser((double)(v->down - 1), ceil(columns * (1 + 0x1p-40)));
-    if (w->reach > 0) rows = lesser(rows, ceil(w->reach) + 1);
-    const size_t most = (size_t)rows, room = CROSSINGS_MOST * most + 1;
-    w->crossing = large_allocate(room * sizeof *w->crossing);
-    w->piece = large_allocate(room * sizeof *w->piece);
-    w->whole = large_allocate(room * sizeof *w->whole);
-    w->run = large_allocate((room / VISIBLE_RUN + 8) * sizeof *w->run);
-    w->sunk = large_allocate((most + 1) * sizeof *w->sunk);
-    w->until = large_allocate((most + 1) * sizeof *w->until);
-    w->entry = large_allocate((most + 1) * sizeof *w->entry);
-    if (w->crossing == NULL || w->piece == NULL || w->whole == NULL || w->run == NULL || w->sunk == NULL ||
-        w->until == NULL || w->entry == NULL)
-        return cw_fail_plainly(CW_ERROR_MEMORY);
+    if (reach > 0) rows = lesser(rows, ceil(reach) + 1);
+    const size_t most = (size_t)rows, room = CROSSINGS_MOST * most + 1, runs = room / VISIBLE_RUN + 8;
+    const size_t each = sizeof(double) + sizeof(visible_crossing) + sizeof(visible_piece),
+                 row_each = sizeof(ptrdiff_t) + sizeof(float) + sizeof(uint32_t);
+    const size_t bytes = room * each + runs * sizeof(visible_run) + (most + 1) * row_each;
+    double *whole = (double *)make_room(v, WAYS, bytes / sizeof(float));
+    if (whole == NULL) return CW_ERROR_MEMORY;
+    visible_crossing *crossing = (visible_crossing *)(whole + room);
+    visible_run *run = (visible_run *)(crossing + room);
+    ptrdiff_t *entry = (ptrdiff_t *)(run + runs);
+    visible_piece *piece = (visible_piece *)(entry + most + 1);
+    float *sunk = (float *)(piece + room);
+    uint32_t *until = (uint32_t *)(sunk + most + 1);
     double last = 0;
-    w->until[0] = 0;
-    w->entry[0] = 0;
-    while (w->steps < most && !w->ends) {
+    size_t steps = 0, crossings = 0;
+    bool ends = false; /* at the reach */
+    until[0] = 0;
+    entry[0] = 0;
+    while (steps < most && !ends) {
         place row[CROSSINGS_MOST];
-        const size_t k = ++w->steps, count = row_of_crossings(w->aside, k, row);
-        for (size_t n = 0; n < count && !w->ends; n++) {
+        const size_t k = ++steps, count = row_of_crossings(aside, k, row);
+        for (size_t n = 0; n < count && !ends; n++) {
             const place *p = &row[n];
             const ptrdiff_t first = column_at(v, (ptrdiff_t)p->first[0]) + (ptrdiff_t)p->first[1] * v->stride;
             const ptrdiff_t second = column_at(v, (ptrdiff_t)p->second[0]) + (ptrdiff_t)p->second[1] * v->stride;
-            w->crossing[w->crossings] = (visible_crossing){.first = first,
-                                                           .second = (int32_t)(second - first),
-                                                           .fraction = (float)p->fraction,
-                                                           .inverse = (float)(1 / p->at),
-                                                           .drop = (float)(w->drop * p->at)};
-            w->piece[w->crossings++] =
-                (visible_piece){(float)last, (float)p->at, (float)(p->at - last), 2 * (float)p->at};
+            crossing[crossings] = (visible_crossing){.first = first,
+                                                     .second = (int32_t)(second - first),
+                                                     .fraction = (float)p->fraction,
+                                                     .inverse = (float)(1 / p->at),
+                                                     .drop = (float)(drop * p->at)};
+            piece[crossings++] = (visible_piece){(float)last, (float)p->at, (float)(p->at - last), 2 * (float)p->at};
             last = p->at;
-            w->ends = w->reach > 0 && p->at >= w->reach;
+            ends = reach > 0 && p->at >= reach;
         }
-        w->until[k] = (uint32_t)w->crossings;
-        w->entry[k] = column_at(v, (ptrdiff_t)row[count - 1].first[0]);
+        until[k] = (uint32_t)crossings;
+        entry[k] = column_at(v, (ptrdiff_t)row[count - 1].first[0]);
     }
-    add_areas(w);
-    for (size_t k = 0; k <= w->steps; k++)
-        w->sunk[k] = k > 0 && k + 8 <= w->steps && k + 8 <= EXACT_STEPS ? sunk_at(w, k) : INFINITY;
+    add_areas(piece, crossings, run, whole);
+    for (size_t k = 0; k <= steps; k++)
+        sunk[k] = k > 0 && k + 8 <= steps && k + 8 <= EXACT_STEPS ? sunk_at(crossing, until + k) : INFINITY;
+    *job = (visible_job){.crossing = crossing,
+                         .piece = piece,
+                         .run = run,
+                         .whole = whole,
+                         .sunk = sunk,
+                         .until = until,
+                         .entry = entry,
+                         .steps = steps,
+                         .reach = ends ? (float)reach : 0};
     return CW_OK;
 }
