@@ -6,13 +6,6 @@ cw_status cw_check_number(const char *name, double value, double least, double m
     return cw_fail(CW_ERROR_ARGUMENT, "%s: %g; it is from %g to %g", name, value, least, most);
 }
 
-cw_status cw_check_zeros(const uint64_t reserved[8], uint32_t zero, const char *what) {
-    uint64_t all = zero;
-    for (int k = 0; k < 8; k++) all |= reserved[k];
-    if (all == 0) return CW_OK;
-    return cw_fail(CW_ERROR_ARGUMENT, "%s: a reserved member is not 0; library %s has no use for it", what, CW_VERSION);
-}
-
 cw_status cw_area_begin(const terrain *t, const void *desc, const char *name, const cw_run *run, cw_area *area,
                         cw_run *how) {
     if (t == NULL || desc == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", t ? name : "terrain");

@@ -12,9 +12,6 @@ cw_status cw_check_number(const char *name, double value, double least, double m
  * 8000 m. */
 #define CW_LEAST_DEPTH 1e-3
 
-/* Fails unless all are 0. what: the struct's name. */
-cw_status cw_check_zeros(const uint64_t reserved[8], uint32_t zero, const char *what);
-
 /* Fails unless both pointers are there, and the area is a part of the terrain. All of it if it is empty. *how becomes *run. */
 cw_status cw_area_begin(const terrain *t, const void *desc, const char *name, const cw_run *run, cw_area *area,
                         cw_run *how);

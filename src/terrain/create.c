@@ -47,7 +47,7 @@ static cw_status check(const cw_terrain_desc *d, double map[3][4]) {
     if (d->field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
     const cw_field_info info = cw_field_describe(d->field);
     memcpy(map, info.map, sizeof info.map);
-    cw_status status = cw_check_zeros(d->reserved, d->zero, "cw_terrain_desc");
+    cw_status status = cw_check_reserved(d->reserved, 8, d->zero, "cw_terrain_desc");
     if (status == CW_OK) status = check_map((const double(*)[4])map);
     if (status == CW_OK) status = cw_check_number("geographic", d->geographic, 0, 1);
     if (status == CW_OK) status = cw_check_number("unit", d->unit, 0, DBL_MAX);

@@ -41,7 +41,7 @@ size_t cw_light_azimuths(const cw_light *d, double azimuths[SUNLIGHT_STRIPS_MOST
 }
 
 static cw_status check(const cw_light *d) {
-    cw_status status = cw_check_zeros(d->reserved, 0, "cw_light");
+    cw_status status = cw_check_reserved(d->reserved, 8, 0, "cw_light");
     if (status == CW_OK) status = cw_check_number("azimuth", d->azimuth, -0x1p40, 0x1p40);
     if (status == CW_OK) status = cw_check_number("altitude", d->altitude, -90, 90);
     if (status == CW_OK) status = cw_check_number("radius", d->radius, 0, 10);

@@ -120,8 +120,8 @@ static void write_answers(const finding *f, const cw_visibility_answers *to, siz
 
 static cw_status check(const cw_visibility_desc *d, const cw_visibility_answers *to, double up) {
     if (to == NULL) return cw_fail(CW_ERROR_ARGUMENT, "answers: NULL");
-    cw_status status = cw_check_zeros(d->reserved, 0, "cw_visibility_desc");
-    if (status == CW_OK) status = cw_check_zeros(to->reserved, 0, "cw_visibility_answers");
+    cw_status status = cw_check_reserved(d->reserved, 8, 0, "cw_visibility_desc");
+    if (status == CW_OK) status = cw_check_reserved(to->reserved, 8, 0, "cw_visibility_answers");
     if (status == CW_OK) status = cw_check_number("height", d->height, 0, (double)CW_HEIGHT_MAX * up);
     if (status == CW_OK) status = cw_check_number("target", d->target, 0, (double)CW_HEIGHT_MAX * up);
     if (status == CW_OK) status = cw_check_number("max_distance", d->max_distance, 0, DBL_MAX);

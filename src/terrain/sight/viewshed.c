@@ -226,7 +226,7 @@ cw_status cw_viewshed_see(const viewshed *v, const cw_run *run, cw_area area, co
     cw_run how;
     cw_status status = cw_area_begin(v->terrain, view, "view", run, &area, &how);
     if (status == CW_OK) status = cw_area_stride(&area);
-    if (status == CW_OK) status = cw_check_zeros(view->reserved, 0, "cw_view");
+    if (status == CW_OK) status = cw_check_reserved(view->reserved, 8, 0, "cw_view");
     if (status == CW_OK) status = cw_check_number("weight", view->weight, -DBL_MAX, DBL_MAX);
     if (status == CW_OK && view->needed && v->desc.limits.has_verticals)
         status = cw_fail(CW_ERROR_ARGUMENT, "needed: does not go with CW_OBSERVER_VERTICALS");
@@ -245,7 +245,7 @@ cw_status cw_viewshed(const cw_terrain *t, const cw_run *run, const cw_observer 
     const uint32_t flags = CW_OBSERVER_AZIMUTHS | CW_OBSERVER_VERTICALS;
     if (t == NULL || from == NULL || view == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", !t ? "terrain" : !from ? "from" : "view");
-    cw_status status = cw_check_zeros(from->reserved, 0, "cw_observer");
+    cw_status status = cw_check_reserved(from->reserved, 8, 0, "cw_observer");
     if (status == CW_OK) status = cw_check_number("absolute", from->absolute, 0, 1);
     if (status == CW_OK) status = cw_check_number("limits", from->limits, 0, flags);
     if (status != CW_OK) return status;
