@@ -2,6 +2,7 @@
 /* The program cellwalk-bench. */
 
 #include "harness/harness_run.h"
+#include "inputs.h"
 #include "output.h"
 #include "reference.h"
 
@@ -27,6 +28,7 @@ int main(int argc, char **argv) {
     signal(SIGINT, stop);
     signal(SIGTERM, stop);
     cw_reference_add();
+    io_inputs_protect();
     run_record_begin(argv + 1, argc - 1);
     return program_main(&bench, argc, argv);
 }

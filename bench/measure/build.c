@@ -45,6 +45,14 @@ static void build(void *context) {
     cw_field_destroy(field);
 }
 
+static bool knows(const char *name, io_error *error) {
+    contender_spec s;
+    return contenders_parse(&s, name, error) &&
+           (s.kind < PEER_KINDS || strcmp(s.base, "default") == 0 ||
+            io_fail(error, "contender %s: what builds is default, default:threads=N, embree, embree:grid, bullet",
+                    name));
+}
+
 static bool enter(workload *w, const char *name, io_error *error) {
     contender_spec s;
     entrant *e = measure_enter(w, name, name, error);
@@ -53,9 +61,6 @@ static bool enter(workload *w, const char *name, io_error *error) {
     *b = (builder){.land = w->own, .peer = s.kind < PEER_KINDS ? peer_kinds[s.kind] : NULL};
     b->isa = (cw_isa)w->options->run.isa;
     b->options = s.options | PEER_MEDIUM;
-    if (b->peer == NULL && strcmp(s.base, "default") != 0)
-        return io_fail(error, "contender %s: what builds is default, default:threads=N, embree, embree:grid, bullet",
-                       name);
     if (s.threads > 1 && cw_pool_create(s.threads, &b->pool) != CW_OK)
         return io_fail(error, "%s: %s", name, cw_last_error());
     if (b->peer) land_has_peer(b->land, b->peer, b->options, e->why);
@@ -85,6 +90,7 @@ const workload_kind measure_build = {.form = "FIELD/build",
                                      .what = "the structures of a field; bytes hold the samples too",
                                      .unit = "cells",
                                      .item = "build",
+                                     .knows = knows,
                                      .open = open_build,
                                      .enter = enter,
                                      .judge = judge,

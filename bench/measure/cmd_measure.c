@@ -33,19 +33,6 @@ entrant *measure_enter(workload *w, const char *group, const char *name, io_erro
     return e;
 }
 
-static bool name_workload(workload *w, const char *name, io_error *error) {
-    const char *slash = strrchr(name, '/');
-    snprintf(w->name, sizeof w->name, "%s", name);
-    snprintf(w->field, sizeof w->field, "%.*s", (int)(slash - name), name);
-    snprintf(w->item, sizeof w->item, "%s", slash + 1);
-    const bool of_field = strcmp(w->field, "scenes") != 0;
-    for (size_t k = 0; measure_kind(k); k++) {
-        const workload_kind *kind = measure_kind(k);
-        if (kind->item ? of_field && strcmp(kind->item, w->item) == 0 : kind->has(w->field, w->item)) w->kind = kind;
-    }
-    return w->kind || io_fail(error, "%s: there is no such work; cellwalk-bench measure --help lists all", name);
-}
-
 static void leave_all(workload *w) {
     for (entrant *e = w->entrants; e < w->entrants + w->count; e++) {
         if (e->own) w->kind->leave(e);
@@ -91,8 +78,9 @@ static void time_all(workload *w, double seconds) {
 /* *left: seconds for all timing that is still to come, of which this line may take a share. */
 static bool run_line(const plan_line *line, const measure_options *o, double share, double *left, json_t *results,
                      io_error *error) {
-    workload w = {.options = o, .entrants = memory(ENTRANTS_MAX, sizeof *w.entrants)};
-    bool good = name_workload(&w, line->workload, error) && w.kind->open(&w, error);
+    workload w = {.name = line->workload, .field = line->field, .item = line->item, .kind = line->kind, .options = o};
+    w.entrants = memory(ENTRANTS_MAX, sizeof *w.entrants);
+    bool good = w.kind->open(&w, error);
     for (size_t k = 0; good && w.why[0] == '\0' && k < line->count; k++)
         good = w.kind->enter(&w, line->contenders[k], error);
     for (size_t k = 0; good && k < w.count; k++) {
@@ -112,10 +100,7 @@ static bool run_line(const plan_line *line, const measure_options *o, double sha
         results_set_counts(w.entrants[k].line, "line", &line->number);
         json_array_append(results, w.entrants[k].line);
     }
-    if (w.kind)
-        leave_all(&w);
-    else
-        free(w.entrants);
+    leave_all(&w);
     return good;
 }
 
@@ -145,17 +130,15 @@ static size_t count_wide(const json_t *results) {
     return wide;
 }
 
-static bool run_plan(const char *name, measure_options *o, json_t *results, io_error *error) {
-    plan p;
+static bool run_plan(const plan *p, const char *name, measure_options *o, json_t *results, io_error *error) {
     int cpu;
     size_t timed = 0;
     char text[512];
     const cw_isa most = (cw_isa)o->run.isa;
-    if (!measure_plan_read(&p, name, o->field, error)) return false;
-    for (size_t k = 0; k < p.count; k++) {
-        timed += (p.lines[k].metrics & METRIC_TIME) != 0;
-        for (size_t c = 0; c < p.lines[k].count; c++) /* threads need more than one CPU */
-            o->run.no_pin = o->run.no_pin || strstr(p.lines[k].contenders[c], ":threads=") != NULL;
+    for (size_t k = 0; k < p->count; k++) {
+        timed += (p->lines[k].metrics & METRIC_TIME) != 0;
+        for (size_t c = 0; c < p->lines[k].count; c++) /* threads need more than one CPU */
+            o->run.no_pin = o->run.no_pin || strstr(p->lines[k].contenders[c], ":threads=") != NULL;
     }
     bool good = run_options_pin(&o->run, &cpu, error);
     json_t *record = run_record("measure", o->run.seed, cpu);
@@ -167,8 +150,8 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
     if (o->seconds <= 0) o->seconds = 10 * (double)timed;
     /* Making fields and building Embree do not count. What a line leaves, because it has converged, the later ones get. */
     double left = o->seconds;
-    for (size_t k = 0; good && k < p.count; k++) {
-        const plan_line *line = &p.lines[k];
+    for (size_t k = 0; good && k < p->count; k++) {
+        const plan_line *line = &p->lines[k];
         const cw_isa isa = line->isa < 0 ? most : (cw_isa)line->isa;
         o->run.isa = (int)isa;
         if (!cw_isa_includes(most, isa)) {
@@ -182,7 +165,6 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
         timed -= (line->metrics & METRIC_TIME) != 0;
     }
     land_end();
-    measure_plan_free(&p);
     if (good && count_wide(results) > 0)
         fprintf(stderr,
                 "%zu results have not converged in %.3g s: no figure of theirs may be quoted; give more --seconds, or "
@@ -191,23 +173,38 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
     return good;
 }
 
-/* Runs a plan, writes its results to o->out and, with a folder, the scenes' table there. The folder is made if its parent exists. */
+/* With its parents. */
+static bool make_folder(const char *folder, io_error *error) {
+    char path[PATH_MAX], *end = path;
+    if (snprintf(path, sizeof path, "%s", folder) >= PATH_MAX) errno = ENAMETOOLONG, end = NULL;
+    while (end != NULL) {
+        end = strchr(end + 1, '/');
+        if (end) *end = '\0';
+        if (mkdir(path, 0777) != 0 && errno != EEXIST) break;
+        if (end == NULL) return true;
+        *end = '/';
+    }
+    return io_fail(error, "folder %s: %s", folder, strerror(errno));
+}
+
+/* Runs a plan, writes its results to o->out and, with a folder, the scenes' table there. */
 static int measure(const char *as, const char *name, measure_options *o, const char *folder) {
     char file[PATH_MAX], table[PATH_MAX];
     io_output text = {0};
     io_error error = {{0}};
     json_t *results = json_array();
-    bool good = true;
+    plan p;
     if (!run_options_check(&o->run, as)) return EXIT_USAGE;
-    if (folder) {
-        if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-            good = io_fail(&error, "folder %s: %s", folder, strerror(errno));
-        else if (snprintf(file, sizeof file, "%s/table.jsonl", folder) >= PATH_MAX)
+    /* Outputs are opened when all inputs are known. */
+    bool good = measure_plan_read(&p, name, o, &error);
+    if (good && folder) {
+        good = make_folder(folder, &error);
+        if (good && snprintf(file, sizeof file, "%s/table.jsonl", folder) >= PATH_MAX)
             good = io_fail(&error, "folder %s: %s", folder, strerror(ENAMETOOLONG));
         snprintf(table, sizeof table, "%s/table.md", folder);
         o->out = file;
     }
-    good = good && (folder == NULL || io_output_open(&text, table, &error)) && run_plan(name, o, results, &error);
+    good = good && (folder == NULL || io_output_open(&text, table, &error)) && run_plan(&p, name, o, results, &error);
     if (good && folder) {
         printf("\n");
         print_scenes(stdout, results);
@@ -217,6 +214,7 @@ static int measure(const char *as, const char *name, measure_options *o, const c
     /* The scenes' table is the work itself, and says which of its figures have not converged. */
     const bool wide = folder == NULL && count_wide(results) > 0;
     io_output_discard(&text);
+    measure_plan_free(&p);
     json_decref(results);
     if (!good) return command_fail(as, "%s", error.text);
     return wide ? EXIT_FAILURE : EXIT_SUCCESS;

@@ -4,6 +4,7 @@
 #include "build_info.h"
 #include "cellwalk_terrain.h"
 #include "harness/harness_memory.h"
+#include "inputs.h"
 #include "raster.h"
 
 #include <math.h>
@@ -61,6 +62,16 @@ land *land_of(const char *name, const measure_options *o, char why[192], io_erro
     land_close(l);
     free(l);
     return NULL;
+}
+
+bool land_check(const char *name, const measure_options *o, io_error *error) {
+    const io_raster_options options = {.cellsize = o->cell_size, .north_up = true, .no_samples = true};
+    io_raster raster;
+    if (strcmp(name, "jacksboro") == 0) return io_inputs_note_path(BUILD_INFO_JACKSBORO);
+    if (workload_field_exists(name)) return true;
+    if (!io_raster_read(name, &options, &raster, error)) return false;
+    io_raster_free(&raster);
+    return true;
 }
 
 static void forget_peers(land *l) {

@@ -39,6 +39,8 @@ typedef struct workload_kind {
     const char *form, *what, *unit; /* for the help: "FIELD/primary", …; what a pass counts: "rays" */
     const char *item;               /* that of the only work of the kind on fields; NULL: as has says */
     bool (*has)(const char *field, const char *item);
+    /* Whether there is such a contender, wherever it can run; else the error. */
+    bool (*knows)(const char *contender, io_error *error);
     /* own and items. Where memory is missing for it, why is set. */
     bool (*open)(workload *w, io_error *error);
     /* Adds one entrant or more by measure_enter, of which some may be left out. */
@@ -50,7 +52,7 @@ typedef struct workload_kind {
 } workload_kind;
 
 struct workload {
-    char name[MEASURE_NAME], field[MEASURE_NAME], item[MEASURE_NAME]; /* "257/primary", "257", "primary" */
+    const char *name, *field, *item; /* "257/primary", "257", "primary" */
     const workload_kind *kind;
     const measure_options *options;
     char why[192]; /* all of it is left out; else empty */
@@ -71,7 +73,8 @@ const workload_kind *measure_kind(size_t number);
 
 /* A line of a plan, taken apart: one workload. */
 typedef struct plan_line {
-    char workload[MEASURE_NAME];
+    char workload[MEASURE_NAME], field[MEASURE_NAME], item[MEASURE_NAME];
+    const workload_kind *kind;
     char *contenders[ENTRANTS_MAX];
     size_t count;
     unsigned metrics;
@@ -84,8 +87,9 @@ typedef struct plan {
     char *text;    /* that the lines point into */
     size_t number; /* of the line that was read last */
 } plan;
-/* From a file or, without one of that name, the plan of that name that ships. field: stands for FIELD in it. */
-bool measure_plan_read(plan *p, const char *name, const char *field, io_error *error);
+/* From a file or, without one of that name, the plan of that name that ships. All that its lines name is looked for, and the files that
+ * they will read are known as inputs. The error names file and line. */
+bool measure_plan_read(plan *p, const char *name, const measure_options *options, io_error *error);
 void measure_plan_free(plan *p);
 
 /* ---- land.c: a field and what contenders make of it, kept while lines of a plan need it ---- */
@@ -105,6 +109,8 @@ typedef struct land {
  * set where memory is missing. */
 land *land_of(const char *name, const measure_options *options, char why[192], io_error *error);
 void land_close(land *l);
+/* Whether there is such land, of whose file only the header is read; else the error. */
+bool land_check(const char *name, const measure_options *options, io_error *error);
 /* Releases the last one of land_of. */
 void land_end(void);
 /* Each is made once. NULL with the error, or with why if memory is missing. */
@@ -126,6 +132,7 @@ typedef struct contender_spec {
     const cw_kernel *kernel;
 } contender_spec;
 bool contenders_parse(contender_spec *s, const char *name, io_error *error);
+bool contenders_know(const char *name, io_error *error);
 
 /* Contenders of that name on the land: one, or one for each packet width of a peer. count is 0, with why, where it cannot run here.
  * False for an unknown name. */
@@ -157,6 +164,8 @@ void errors_set_spread(json_t *line, const char *name, double *errors, size_t co
 /* ---- measure_scene.c ---- */
 
 const char *scene_names(size_t number);
+/* Of the folder with all that it includes; NULL with the error. */
+scene *scene_of(const char *name, const measure_options *options, io_error *error);
 
 /* ---- print.c ---- */
 

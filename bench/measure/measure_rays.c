@@ -139,6 +139,7 @@ static void close_group(workload *w) {
 const workload_kind measure_rays = {
     "FIELD/CLASS", "rays: primary, shadow, ao, bounce, random, grazing, afar; beside, vertices, edges, within-2",
     "rays",        NULL,
-    has,           open_group,
-    enter,         judge,
-    leave,         close_group};
+    has,           contenders_know,
+    open_group,    enter,
+    judge,         leave,
+    close_group};

@@ -41,15 +41,26 @@ static bool has(const char *field, const char *item) {
     return strcmp(field, "scenes") == 0 && k < SCENES;
 }
 
-static bool open_stage(workload *w, io_error *error) {
+scene *scene_of(const char *name, const measure_options *o, io_error *error) {
     char file[4096];
+    snprintf(file, sizeof file, "%s/%s.pbrt", o->scenes, name);
+    return scene_load(file, NULL, NULL, error);
+}
+
+/* Scenes have no coarser fields. */
+static bool knows(const char *name, io_error *error) {
+    contender_spec s;
+    return contenders_parse(&s, name, error) &&
+           (s.factor == 1 || io_fail(error, "%s: scenes have no coarser fields", name));
+}
+
+static bool open_stage(workload *w, io_error *error) {
     stage *s = w->own = memory(1, sizeof *s);
     fprintf(stderr, "scene %s\n", w->item);
-    snprintf(file, sizeof file, "%s/%s.pbrt", w->options->scenes, w->item);
-    s->scene = scene_load(file, NULL, NULL, error);
+    s->scene = scene_of(w->item, w->options, error);
     if (s->scene == NULL) return false;
     s->field_count = scene_field_count(s->scene);
-    if (s->field_count > FIELDS_MAX) return io_fail(error, "%s: more than %d height fields", file, FIELDS_MAX);
+    if (s->field_count > FIELDS_MAX) return io_fail(error, "%s: more than %d height fields", w->name, FIELDS_MAX);
     for (size_t f = 0; f < s->field_count; f++) {
         land *l = &s->lands[f];
         *l = (land){.field = scene_field(s->scene, f), .borrowed = true};
@@ -128,7 +139,6 @@ static bool enter(workload *w, const char *name, io_error *error) {
     for (size_t f = 0; f < s->field_count && e->why[0] == '\0'; f++)
         if (!contenders_of(&s->lands[f], name, true, (cw_isa)w->options->run.isa, p->by[f], &p->widths, e->why, error))
             return false;
-    if (p->by[0][0].factor > 1) return io_fail(error, "%s: scenes have no coarser fields", name);
     e->job = (interleave_job){.run = render_timed, .context = p};
     return true;
 }
@@ -164,6 +174,7 @@ static void close_stage(workload *w) {
 const workload_kind measure_scene = {
     "scenes/NAME", "one of the six scenes, rendered: hftest, landsea-0, landsea-1, landsea-2, texture, landsea-big",
     "pixels",      NULL,
-    has,           open_stage,
-    enter,         judge,
-    leave,         close_stage};
+    has,           knows,
+    open_stage,    enter,
+    judge,         leave,
+    close_stage};

@@ -54,20 +54,29 @@ static void compute(void *context) {
     c->failed = status != CW_OK || c->failed;
 }
 
-static bool prepare(choice *c, land *l, const char *name, bool sky, io_error *error) {
+/* Takes the name apart. */
+static bool parse(choice *c, const char *name, bool sky, io_error *error) {
     unsigned number = 0;
-    *c = (choice){.land = l, .sky = sky, .factor = 1};
+    *c = (choice){.sky = sky, .factor = 1};
     c->desc = (cw_horizon){.start = sky ? 0 : 11.25, .count = sky ? SKY_DEFAULT : ANGLES};
-    const bool good =
-        strcmp(name, "default") == 0 ||
+    if (strcmp(name, "default") == 0 ||
         (sky && sscanf(name, "directions:%u", &number) == 1 && number > 0 && (c->desc.count = number)) ||
-        (sscanf(name, "coarser:%u", &number) == 1 && number > 1 && number <= FACTOR_MAX && (c->factor = number)) ||
-        (sscanf(name, "distance:%u", &number) == 1 && number > 0);
-    if (!good)
+        (sscanf(name, "coarser:%u", &number) == 1 && number > 1 && number <= FACTOR_MAX && (c->factor = number)))
+        return true;
+    if (sscanf(name, "distance:%u", &number) != 1 || number == 0)
         return io_fail(
             error, "contender %s: horizons have default, coarser:FACTOR and distance:CELLS, the sky also directions:N",
             name);
-    if (strncmp(name, "distance:", 9) == 0) c->desc.max_distance = (double)number * CELL;
+    c->desc.max_distance = (double)number * CELL;
+    return true;
+}
+
+static bool knows_horizon(const char *name, io_error *error) { return parse(&(choice){0}, name, false, error); }
+static bool knows_sky(const char *name, io_error *error) { return parse(&(choice){0}, name, true, error); }
+
+static bool prepare(choice *c, land *l, const char *name, bool sky, io_error *error) {
+    if (!parse(c, name, sky, error)) return false;
+    c->land = l;
     cw_field *field = land_coarser(l, c->factor, error);
     if (field == NULL) return false;
     const cw_field_info info = cw_field_describe(field);
@@ -150,11 +159,20 @@ static void close_choices(workload *w) {
     free(w->own);
 }
 
-const workload_kind measure_horizon = {
-    "FIELD/horizon", "horizons in eight directions", "places", "horizon", NULL, open_choices, enter, judge, leave,
-    close_choices};
-const workload_kind measure_sky = {"FIELD/sky", "the sky-view factor, against 256 directions",
-                                   "places",    "sky",
-                                   NULL,        open_choices,
-                                   enter,       judge,
-                                   leave,       close_choices};
+const workload_kind measure_horizon = {"FIELD/horizon",
+                                       "horizons in eight directions",
+                                       "places",
+                                       "horizon",
+                                       NULL,
+                                       knows_horizon,
+                                       open_choices,
+                                       enter,
+                                       judge,
+                                       leave,
+                                       close_choices};
+const workload_kind measure_sky = {"FIELD/sky",  "the sky-view factor, against 256 directions",
+                                   "places",     "sky",
+                                   NULL,         knows_sky,
+                                   open_choices, enter,
+                                   judge,        leave,
+                                   close_choices};

@@ -23,14 +23,27 @@ static const struct {
 };
 enum { ALL = sizeof fields / sizeof fields[0] };
 
-bool workload_field_make(const char *name, workload_field *field) {
+/* The side of fractal land of that name; 0: it is none. */
+static size_t land_side(const char *name) {
     char *end;
-    size_t f = 0, side = strtoul(name, &end, 10);
-    const bool land = *end == '\0' && side >= 2 && side <= 65537;
+    const size_t side = strtoul(name, &end, 10);
+    return *end == '\0' && side >= 2 && side <= 65537 ? side : 0;
+}
+
+/* ALL: none of that name. */
+static size_t find(const char *name) {
+    size_t f = 0;
+    while (f < ALL && strcmp(name, fields[f].name) != 0) f++;
+    return f;
+}
+
+bool workload_field_exists(const char *name) { return land_side(name) > 0 || find(name) < ALL; }
+
+bool workload_field_make(const char *name, workload_field *field) {
+    const size_t land = land_side(name), f = find(name);
     *field = (workload_field){0};
-    while (!land && f < ALL && strcmp(name, fields[f].name) != 0) f++;
-    if (f == ALL) return false;
-    if (!land) side = fields[f].side;
+    if (!workload_field_exists(name)) return false;
+    const size_t side = land ? land : fields[f].side;
     const size_t count = side * side;
     float *z = malloc(count * sizeof *z);
     *field = (workload_field){name, NULL, side, side, z};

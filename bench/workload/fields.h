@@ -15,6 +15,7 @@ typedef struct workload_field {
  * "sea-calm", "sea-rough": 1000 × 1000 samples of water.
  * "plane", "grooves", "comb", "checkerboard": 1025 × 1025 samples for rays beside them. The plane is tilted; of the others
  * every second row, every eighth row or every second sample is 1 high, the rest 0. Timed on request only. */
+bool workload_field_exists(const char *name);
 /* False if no field has that name, or out of memory: then field->name is NULL or not, in that order. Else it is name itself. */
 bool workload_field_make(const char *name, workload_field *field);
 void workload_field_free(workload_field *field);

@@ -91,9 +91,10 @@ def test_a_line_with_instruction_sets(tmp_path):
 
 
 def test_a_run_that_ends_early_leaves_what_it_has(tmp_path):
-    (tmp_path / "my.plan").write_text("65/primary default,cell agree\n65/primary nobody agree\n")
+    np.save(tmp_path / "holes.npy", np.full((9, 9), np.nan, np.float32))
+    (tmp_path / "my.plan").write_text(f"65/primary default,cell agree\n{tmp_path}/holes.npy/primary cell error\n")
     done = run("measure", tmp_path / "my.plan", "-o", tmp_path / "out.jsonl", *WIDE, status=1)
-    assert "nobody" in done.stderr
+    assert "holes.npy/primary: errors are judged" in done.stderr
     assert [json.loads(line)["kind"] for line in (tmp_path / "out.jsonl").read_text().splitlines()] == ["run", "result", "result"]
 
 
@@ -111,10 +112,10 @@ def test_terrain_choices_have_errors(tmp_path):
 
 
 def test_the_scenes_table(tmp_path):
-    done = run("table", "--quick", "--width", "10", "--seconds", "100000", "--out", tmp_path)
-    table = (tmp_path / "table.md").read_text()
+    done = run("table", "--quick", "--width", "10", "--seconds", "100000", cwd=tmp_path)
+    table = (tmp_path / "out/table/table.md").read_text()
     assert "| hftest |" in table and "grid3d" in table and "hftest" in done.stdout
-    lines = [json.loads(line) for line in (tmp_path / "table.jsonl").read_text().splitlines()]
+    lines = [json.loads(line) for line in (tmp_path / "out/table/table.jsonl").read_text().splitlines()]
     for line in lines[1:]:
         if "left_out" not in line:
             assert line["agreement"]["why"]["other"] == 0
@@ -155,20 +156,37 @@ def test_every_plan_that_ships_is_understood(tmp_path):
 @pytest.mark.parametrize("plan, words", [
     ("65/primary default\n", "my.plan:1: a line is FIELD/WORK CONTENDERS METRICS"),
     ("\n65/primary default speed\n", "my.plan:2: a line is"),
-    ("65/nothing default time\n", "65/nothing: there is no such work"),
-    ("65/primary nobody time\n", "contender nobody: Contenders of rays: default"),
+    ("65/primary default time\n65/nothing default time\n", "my.plan:2: 65/nothing: there is no such work"),
+    ("65/primary default time\n\n65/primary nobody time\n", "my.plan:3: contender nobody: Contenders of rays: default"),
+    ("65/primary embree:w3 time\n", "my.plan:1: contender embree:w3"),
+    ("65/primary default time\nscenes/hftest coarser:2 time\n", "my.plan:2: coarser:2: scenes have no coarser fields"),
     ("65/primary coarser:1 error\n", "contender coarser:1"),
     ("65/primary default:call=0 time\n", "contender default:call=0"),
     ("65/build cell time\n", "contender cell: what builds is"),
     ("65/sky distance: error\n", "contender distance:"),
-    ("nowhere.tif/primary default time\n", "nowhere.tif"),
+    ("65/primary default time\nnowhere.tif/primary default time\n", "my.plan:2: nowhere.tif"),
     ("# nothing\n", "has no line to measure"),
 ])
 def test_wrong_plans(tmp_path, plan, words):
     (tmp_path / "my.plan").write_text(plan)
     done = run("measure", tmp_path / "my.plan", "-o", tmp_path / "out.jsonl", *WIDE, status=1)
-    assert words in done.stderr and not (tmp_path / "out.jsonl").exists()
+    assert words in done.stderr and done.stdout == "" and not (tmp_path / "out.jsonl").exists()
 
+
+@pytest.mark.parametrize("words, out", [
+    ("--field d.npy", "d.npy"), ("--field d.npy", "link"), ("my.plan", "my.plan"), ("my.plan", "d.npy"), ("my.plan", "link"),
+    ("my.plan --scenes .", "hf4x4.pbrt"), ("scenes-quick --scenes .", "hftest.pbrt"), ("my.plan", "log")])
+def test_inputs_are_not_replaced(tmp_path, words, out):
+    """Not even those that only later lines of the plan read."""
+    np.save(tmp_path / "d.npy", np.zeros((9, 9), np.float32))
+    for name in "hftest.pbrt", "hf4x4.pbrt":
+        (tmp_path / name).write_text((FOLDER / "scenes" / name).read_text())
+    (tmp_path / "my.plan").write_text("17/primary default agree\nd.npy/primary default agree\nscenes/hftest default agree\n")
+    (tmp_path / "link").symlink_to("d.npy")
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    with open(tmp_path / "log", "a") as log:
+        done = subprocess.run([BENCH, "measure", *words.split(), "-o", out, *WIDE], cwd=tmp_path, stdout=log, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 1 and f"{out}: is also " in done.stderr and before == {path: path.read_bytes() for path in before}
 
 def test_wrong_words():
     assert "neither a file nor one that ships" in run("measure", "nothing", status=1).stderr
