@@ -6,6 +6,7 @@
 #include "commit.h"
 #include "cpus.h"
 #include "harness/results.h"
+#include "number.h"
 #include "peers/peer.h"
 #include "proc.h"
 
@@ -36,7 +37,7 @@ bool run_options_pin(const run_options *run, int *cpu, io_error *error) {
 bool run_memory_has(double bytes, char why[192]) {
     char kibibytes[64];
     proc_value("/proc/meminfo", "MemAvailable", kibibytes, sizeof kibibytes);
-    const double available = strtod(kibibytes, NULL) * 1024;
+    const double available = number_read(kibibytes, NULL) * 1024;
     if (available <= 0 || bytes < available) return true;
     snprintf(why, 192, "it would take about %.1f GB, and %.1f GB are available", bytes * 1e-9, available * 1e-9);
     return false;

@@ -5,6 +5,7 @@
 #include "cellwalk_terrain.h"
 #include "harness/harness_memory.h"
 #include "inputs.h"
+#include "number.h"
 #include "raster.h"
 
 #include <math.h>
@@ -38,7 +39,7 @@ static bool read_raster(land *l, const char *path, double cell_size, io_error *e
 /* Fractal land of any size, a field of the workloads, or a file. */
 static bool make_samples(land *l, const measure_options *o, char why[192], io_error *error) {
     char *end;
-    const double side = strtod(l->name, &end);
+    const double side = number_read(l->name, &end);
     /* The land itself, its bounds, and a third of both for coarser ones. */
     if (*end == '\0' && !run_memory_has(8.5 * side * side, why)) return true;
     if (workload_field_make(l->name, &l->samples)) return true;

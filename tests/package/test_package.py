@@ -47,12 +47,12 @@ STRICT = "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow"
 
 
 def test_numbers():
-    """No number in src/ is read by a function that depends on the locale, but by src/io/number.h."""
+    """No number in src/, simd/ and bench/ is read by a function that depends on the locale, but by src/io/number.h."""
     forbidden = re.compile(r"(?<!\w)(strto(d|f|ld|d_l|f_l)|atof|setlocale|[vf]*s?scanf[^;]*%[0-9.]*l?[aefgAEFG])\W")
     for line in "x = strtod(text, &end);", "*z = strtof(at, NULL);", "return atof(a);", 'sscanf(text, "%lf", &x)', 'fscanf(f, "%9f %d", &x)':
         assert forbidden.search(line), line  # what it should find, it finds
     found, readers = [], 0
-    for file in (SOURCE / "src").rglob("*.[ch]"):
+    for file in (file for folder in ("src", "simd", "bench") for file in (SOURCE / folder).rglob("*.[ch]")):
         for line in file.read_text().splitlines():
             readers += bool(re.search(r"number_read(_float)?\(", line))
             if forbidden.search(line) and not re.match(r" *(/\*|\* )", line) and file.name != "number.c":
@@ -255,6 +255,10 @@ def test_install(tmp_path):
     if not tree:
         run(CMAKE, "--install", os.environ["BUILD"], "--prefix", tmp_path / "first")
         tree = (tmp_path / "first").rename(tmp_path / "tree")  # nothing may know where it was installed to
+    pages = list(pathlib.Path(tree).rglob("doc/libcellwalk-dev/*.md"))
+    assert sorted(page.name for page in pages) == ["terrain.md", "using.md"]
+    for page in pages:
+        assert all((page.parent / link).exists() for link in re.findall(r"\]\(([^)#]*)", page.read_text())), page
     configure(SOURCE / "tests/package/users", work, f"-DCMAKE_PREFIX_PATH={tree}", f"-DCMAKE_BUILD_TYPE={config}", f"-DLIBRARY={library}",
               f"-DPROGRAMS={';'.join(map(str, programs))}")  # by the compilers CC and CXX
     build(work)

@@ -40,12 +40,14 @@ function(write_page command what also)
     string(REPLACE ".nf\n.TP\n" ".TP\n" text "${text}")
     string(REPLACE "\t" " " text "${text}")
     file(WRITE "${FOLDER}/man/man1/${file}" ".TH \"${title}\" 1 \"\" \"cellwalk ${version}\" \"Cellwalk\"\n.nh\n.ad l\n.ss 12 0\n"
-        ".SH NAME\n${page} \\- ${what}\n${text}.fi\n"
+        ".SH NAME\n${page} \\- ${what}\n${text}.fi\n.SH ENVIRONMENT\n"
+        ".TP\n\\fBCELLWALK_ISA\\fR\nthe highest instruction set to use: scalar, sse4.2, avx2, avx512 or neon\n"
+        ".TP\n\\fBCELLWALK_MODULES\\fR\nthe folder of the module that reads files by GDAL, if it is not where it was installed\n"
         ".SH EXIT STATUS\n0 if all went well, 2 if the command line is wrong, 1 after any other failure.\n.SH SEE ALSO\n${also}\n")
 endfunction()
 
 execute_process(COMMAND ${PROGRAM} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
-string(REGEX MATCH "^[^\n]*\n([^\n]*)\n" line "${help}")
+string(REGEX MATCH "^[^\n]*\n([^\n]*[^.\n])\\.?\n" line "${help}")
 set(what "${CMAKE_MATCH_1}")
 string(REGEX MATCH "\nCommands:(\n  [^\n]*)+" rows "${help}")
 string(REPLACE ";" "\\;" rows "${rows}")

@@ -196,7 +196,8 @@ static int run(int argc, char **argv) {
         option_flag("openness-negative", &c.below,
                     "the same between the nadir and the lowest point in each direction: more in valleys"),
         option_flag("distance", &c.distance,
-                    "write the distance instead, in metres: how far away the horizon is in each direction"),
+                    "write the distance instead, in metres: how far away the horizon is in each direction; takes some "
+                    "10 to 100 times as long as the angles"),
         option_several(
             "at", "X,Y[,H]", &c.at,
             "print the horizon at a place of the map, H metres above ground (default: 0) or X,Y,=Z, as CSV: degrees "
@@ -211,19 +212,19 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (-o FILE | --at X,Y | --places FILE) [OPTIONS]",
-        .what =
-            "Computes the horizon of every sample of a terrain and writes a raster with one band a direction: the "
-            "elevation angle in degrees of the highest point there, negative below the sample's level (float32). "
-            "--svf writes the sky-view factor instead, --openness the openness (Yokoyama, Shirasawa and Pike "
-            "2002), --distance how far away that point is (the nearest of several), and --at and --places print "
-            "the horizons of places.\n\n"
-            "NaN means no data: at holes, and where no terrain lies in that direction within --max-distance. The "
-            "sky-view factor counts the sky there as free. Angles are exact to 0.001 degrees (0.003 where the "
-            "scale differs from row to row) for the surface of two triangles between each four samples, if "
-            "neighbours differ by less than 30 times their distance. On a map in degrees, directions are off in "
-            "proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n\n"
-            "To save time (papers/tradeoff.md): for --svf, 16 directions take half of the time of 32, and 99 % of the "
-            "factors are off by at most 0.0021. --coarser costs more error than it is worth here.\n",
+        .what = "Computes the horizon of every sample of a terrain and writes a raster with one band a direction: the "
+                "elevation angle in degrees of the highest point there, negative below the sample's level (float32). "
+                "--svf writes the sky-view factor instead, --openness the openness (Yokoyama, Shirasawa and Pike "
+                "2002), --distance how far away that point is (the nearest of several), and --at and --places print "
+                "the horizons of places.\n\n"
+                "NaN means no data: at holes, and where no terrain lies in that direction within --max-distance. The "
+                "sky-view factor counts the sky there as free. Angles are exact to 0.001 degrees (0.003 where the "
+                "scale differs from row to row) for the surface of two triangles between each four samples, if "
+                "neighbours differ by less than 30 times their distance. On a map in degrees, directions are off in "
+                "proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n\n"
+                "To save time (papers/tradeoff.md of the sources): for --svf, 16 directions take half of the time of "
+                "32, and 99 % of the factors are off by at most 0.0021. --coarser costs more error than it is worth "
+                "here.\n",
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 8 --cog -o horizon.tif\n"

@@ -126,8 +126,8 @@ static int run(int argc, char **argv) {
                       "what is farther away than D metres does not count (default: no limit)"),
         product_round_earth_row(&c.desc.curvature),
         option_count("every", "K", &c.every, 1, 1 << 20,
-                     "eyes at every K-th column and row, on the land in full: a raster of cells K times as wide, in 1 "
-                     "/ K^2 of the time"),
+                     "eyes at every K-th column and row, on the land in full: a raster of cells K times as wide, 8 "
+                     "times as fast for K = 4 and some 20 times for 16, but no faster beyond"),
     };
     const options_usage usage = {
         .name = name,
@@ -136,9 +136,9 @@ static int run(int argc, char **argv) {
                 "ground in sight of an eye above the sample (float32; NaN: no data).\n\n"
                 "Along each direction, the parts of the surface in sight are exact: the surface is two triangles "
                 "between each four samples, and a part ends where the line of sight meets it. A line that touches the "
-                "surface is blocked. Between directions nothing is looked at; papers/terrain.md has the error this "
-                "makes. Ground counts by its area on the map, whether steep or level. Holes are not seen and hide "
-                "nothing, and the view ends where the raster does.\n\n"
+                "surface is blocked. Between directions nothing is looked at; papers/terrain.md of the sources has the "
+                "error this makes. Ground counts by its area on the map, whether steep or level. Holes are not seen "
+                "and hide nothing, and the view ends where the raster does.\n\n"
                 "How exposed a place is, which is from how much of the ground one sees it, follows by exchanging the "
                 "two heights: --observer-height 0 --target-height 2 counts the places at which an eye 2 m above ground "
                 "sees the sample.\n\n"
