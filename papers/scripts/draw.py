@@ -8,8 +8,9 @@
 Sentences with {expressions} in braces. --> … <!-- end -->
 <!-- chart speed-1025 kind=bars file=release … -->        draws pictures/speed-1025.svg (charts.py)
 
-Expressions are Python. where and the columns of a list see a result's members, value and text the functions of Rows. A figure that has
-not converged is written "n. c.", one that was not measured "–"."""
+about=1 begins a block with the run's machine, commit and date. Expressions are Python. where and the columns of a list see a
+result's members, value and text the functions of Rows. A figure that has not converged is written "n. c.", one that was not
+measured "–"."""
 
 import argparse
 import builtins
@@ -313,12 +314,12 @@ def made(kind, query, data):
     runs, rows = [run for run, _ in found], Rows(line for _, lines in found for line in lines)
     if "where" in a:
         rows = rows.where(a["where"])
+    about = f"{run_text(runs[0])}.\n\n" if "about" in a else ""
     if kind == "text":
-        return re.sub(r"\{(.+?)\}", lambda m: str(evaluate(m[1], rows, runs)), template.strip()) + "\n"
+        return about + re.sub(r"\{(.+?)\}", lambda m: str(evaluate(m[1], rows, runs)), template.strip()) + "\n"
     if not rows:
         print(f'draw.py: no line of {a["file"]} has {a.get("where")}', file=sys.stderr)
         return ABSENT + "\n"
-    about = f"{run_text(runs[0])}.\n\n" if "about" in a else ""
     return about + (pivot if kind == "table" else listing)(rows, runs, a)
 
 
