@@ -53,11 +53,12 @@ static inline size_t put(skyline_piece *cuts, size_t n, double from, const skyli
     return n + 1;
 }
 
-/* Gives back the pieces behind at, up to behind. */
+/* Gives back the pieces behind at, up to behind. They begin nowhere, which tells who has kept one. */
 static void leave_out(skyline *s, uint32_t at, uint32_t behind) {
     for (uint32_t gone = s->pieces[at].next; gone != behind;) {
         const uint32_t next = s->pieces[gone].next;
         s->pieces[gone].next = s->unused;
+        s->pieces[gone].from = INFINITY;
         s->unused = gone;
         gone = next;
     }

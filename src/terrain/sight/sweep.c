@@ -22,8 +22,8 @@
 
 enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, BESIDE = 3 };
 
-/* Rows after which the bins' lows are found again. The skyline only rises, so those of earlier rows are bounds too. */
-enum { LOWS_EVERY = 4 };
+/* Rows after which bins are looked at again, as the skyline only rises and old lows are bounds too; and rows between ticks. */
+enum { LOWS_EVERY = 4, TICK_EVERY = 16 };
 
 /* Whether something next to the eye may be that high at a distance. A direction at a border of two ranges, as far as rounding can
  * tell, has the steeper rise. */
@@ -83,6 +83,17 @@ static void append(const sweep_part *p, long row, span *seen, long i) {
     seen->count++;
 }
 
+/* Samples' starts: the piece of the skyline that begins between a sample and the one before it, or 0. Pieces are as narrow as cells, so
+ * that a walk along both would end at random: this takes no branch a sample. */
+static void find_starts(sweep_part *p, double r, long begin, long end, uint32_t start) {
+    const skyline_piece *s = p->line.pieces;
+    const double aside = p->aside + SKYLINE_BLUR * r, last = ((double)(end - 1) - aside) / r;
+    if (begin >= end) return;
+    memset(p->starts + begin, 0, (size_t)(end - begin) * sizeof *p->starts);
+    p->starts[begin] = start = skyline_find(&p->line, start, ((double)begin - aside) / r);
+    for (uint32_t k = s[start].next; s[k].from < last; k = s[k].next) p->starts[(long)(s[k].from * r + aside) + 1] = k;
+}
+
 /* Passes samples of the row, off the range's ends, that one piece of the skyline shows to be seen or hidden. Returns the first sample
  * that needs more. */
 static long pass_decided(const sweep_part *p, long row, long i, long end, uint32_t *start, span *seen) {
@@ -90,19 +101,14 @@ static long pass_decided(const sweep_part *p, long row, long i, long end, uint32
     const bool right = p->from >= 0, ground = p->target == 0;
     /* The triangle before sample i, seen from the eye: on its left if the range lies right of the eye. */
     const double *leans = right == (p->outward > 0) ? p->front : p->back;
-    const skyline_piece *piece = p->line.pieces + *start;
-    double next = p->line.pieces[piece->next].from;
     for (; i < end; i++) {
         const double lean = leans[i - right], u = ((double)i - p->aside) * per_row, h = p->far_height[i] + p->target,
                      top = h * per_row;
+        p->starts[i] = *start = p->starts[i] ? p->starts[i] : *start;
         if (ground && lean > margin) continue;
-        while (next <= u - SKYLINE_BLUR) {
-            *start = piece->next;
-            piece = p->line.pieces + *start;
-            next = p->line.pieces[piece->next].from;
-        }
+        const skyline_piece *piece = p->line.pieces + *start;
         const double rise = piece->a + piece->b * u;
-        if (next < u + SKYLINE_BLUR) break;
+        if (p->line.pieces[piece->next].from < u + SKYLINE_BLUR) break;
         if (top < rise - (double)piece->below - error) continue;
         if (!(top > rise + error && lean < -margin) || reaches_around(p, u, r, h)) break;
         append(p, row, seen, i);
@@ -119,6 +125,7 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
     const double *left_of = rising ? p->front : p->back, *right_of = rising ? p->back : p->front;
     const long inner = bin_begin(p, r, 0) + 1,
                outer = !(all || every) && p->target >= 0 ? bin_begin(p, r, p->bins) - 2 : 0;
+    find_starts(p, r, begin > inner ? begin : inner, end < outer ? end : outer, start);
     span seen = {0};
     for (long i = begin; i < end; i++) {
         if (i >= inner && i < outer) i = pass_decided(p, row, i, end < outer ? end : outer, &start, &seen);
@@ -134,6 +141,7 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
         if (!all && p->target == 0 && leans > p->margin) continue;
         double low, high;
         skyline_at(&p->line, &start, u, &low, &high);
+        p->starts[i] = start;
         const double top = (h + p->target) * per_row;
         if (!all && top < low - error) continue;
         sweep_way way = {.low = (low - error) * r, .unsure = {INFINITY, true}};
@@ -198,17 +206,21 @@ static void visit_calm(sweep_part *p, long row, const float *far, long begin, lo
     }
 }
 
-/* Finds each bin's start in the skyline, from begin up to end, after edges were added up to direction reached; lows: also how low the
- * skyline is there. A bin behind them may have had its start in a piece that is gone, since pieces on one line
- * become one. */
-static void look_again(sweep_part *p, size_t begin, size_t end, double reached, bool lows) {
-    uint32_t start = begin > 0 ? p->of[begin - 1].start : SKYLINE_FIRST;
-    for (size_t b = begin; b < p->bins; b++) {
-        const double left = p->from + (double)b * p->width - 2 * SKYLINE_BLUR;
-        start = skyline_find(&p->line, start, left);
-        if (b > end && p->line.pieces[start].from > reached) break;
-        p->of[b].start = start;
-        if (b < end && lows) p->of[b].low = cw_skyline_least(&p->line, start, left, left + p->width + 4 * SKYLINE_BLUR);
+static double bin_left(const sweep_part *p, size_t b) { return p->from + (double)b * p->width - 2 * SKYLINE_BLUR; }
+
+/* A piece of the skyline that begins before the bin on the left of bin b; that bin's own may be gone. */
+static uint32_t start_before(const sweep_part *p, size_t b) {
+    while (b > 0 && !(p->line.pieces[p->of[b - 1].start].from <= bin_left(p, b - 1))) b--;
+    return b > 0 ? p->of[b - 1].start : SKYLINE_FIRST;
+}
+
+/* Finds where bins from begin up to end start in the skyline, and how low it is there. */
+static void look_again(sweep_part *p, size_t begin, size_t end) {
+    uint32_t start = start_before(p, begin);
+    for (size_t b = begin; b < end; b++) {
+        const double left = bin_left(p, b);
+        p->of[b].start = start = skyline_find(&p->line, start, left);
+        p->of[b].low = cw_skyline_least(&p->line, start, left, left + p->width + 4 * SKYLINE_BLUR);
     }
 }
 
@@ -220,7 +232,7 @@ static bool refine(sweep_part *p) {
     p->of = of;
     p->bins *= 2;
     p->width /= 2;
-    look_again(p, 0, p->bins, INFINITY, true);
+    look_again(p, 0, p->bins);
     return true;
 }
 
@@ -229,7 +241,7 @@ static void look_at(sweep_part *p, long row, const float *far, size_t begin, siz
     const double r = sweep_distance(p, row);
     const long from = left > BESIDE ? left - BESIDE : 0,
                until = right + BESIDE < p->length ? right + BESIDE : p->length;
-    const uint32_t start = begin > 0 ? p->of[begin - 1].start : SKYLINE_FIRST;
+    const uint32_t start = start_before(p, begin);
     if (from >= until) return;
     cw_sweep_heights(p, far, row, from, until, p->far_height);
     if (p->near) {
@@ -248,8 +260,7 @@ static void look_at(sweep_part *p, long row, const float *far, size_t begin, siz
         left = next;
     }
     if (p->near) cw_sweep_add_between(p, r, from, until, start);
-    look_again(p, begin, end, ((double)until - p->aside) / fmax(r - 1, sweep_first_distance),
-               every || row % LOWS_EVERY == 0);
+    if (every || row % LOWS_EVERY == 0) look_again(p, begin, end);
 }
 
 /* No sample from left up to right, and next to them, is higher over the eye. */
@@ -280,6 +291,9 @@ static void go_on(sweep_part *p, long row, const float *far) {
     const long first = sweep_clipped(p, floor(p->aside + r * p->from) - 1),
                last = sweep_clipped(p, ceil(p->aside + r * p->until) + 2);
     const size_t cells = (size_t)(last - first) + 2 * SWEEP_PAD;
+    const long next = p->swapped ? -1 : row + p->outward; /* far away in memory */
+    for (long i = first; i < last && next >= 0 && next < p->rows; i += 16)
+        __builtin_prefetch(terrain_row(p->sight->terrain, (size_t)next) + i);
     memset(p->front + first - SWEEP_PAD, 0, cells * sizeof *p->front);
     memset(p->back + first - SWEEP_PAD, 0, cells * sizeof *p->back);
     /* Bins with samples of the field in them, or so near that their edges may reach into them. */
@@ -298,10 +312,10 @@ static void go_on(sweep_part *p, long row, const float *far) {
         const bool now = !(fmax(near, top + target * per_row) < here->low - error) || r <= sweep_close_rows + 1;
         if (!now && every && left < right) {
             if (b > 0 && b + 1 < p->bins) {
-                visit_calm(p, row, far, left, right, p->of[b - 1].start);
+                visit_calm(p, row, far, left, right, start_before(p, b));
             } else {
                 cw_sweep_heights(p, far, row, left, right, p->far_height);
-                visit_row(p, row, left, right, b > 0 ? p->of[b - 1].start : SKYLINE_FIRST, -INFINITY);
+                visit_row(p, row, left, right, start_before(p, b), -INFINITY);
             }
         }
         if (now && !active) begin = b, run = left;
@@ -320,7 +334,7 @@ static bool sweep(sweep_part *p, double most, sweep_tick *tick) {
     long row = p->outward > 0 ? (long)floor(p->eye) + 1 : (long)ceil(p->eye) - 1;
     if (p->outward > 0 ? row < 0 : row >= p->rows) row = p->outward > 0 ? 0 : p->rows - 1;
     for (; row >= 0 && row < p->rows && sweep_distance(p, row) <= most; row += p->outward) {
-        if (!tick(p->context)) return true;
+        if (row % TICK_EVERY == 0 && !tick(p->context)) return true;
         while (sweep_distance(p, row) * p->width > 2 * BIN_CELLS)
             if (!refine(p)) return false;
         const float *far = cw_sweep_fetch(p, row);
@@ -360,13 +374,14 @@ bool cw_sweep_part(const sight *s, unsigned number, double most, double target, 
     p.ahead = -INFINITY;
     const size_t length = (size_t)p.length + 2 * SWEEP_PAD;
     p.of = malloc(sizeof *p.of);
-    double *lines = calloc(5 * length, sizeof *lines);
-    if (p.swapped) p.columns = malloc((SWEEP_COLUMNS + 1) * (size_t)p.length * sizeof *p.columns);
+    double *lines = calloc(6 * length, sizeof *lines);
+    if (p.swapped) p.columns = malloc((SWEEP_COLUMNS + 1) * sweep_columns_stride(&p) * sizeof *p.columns);
     bool good = cw_skyline_init(&p.line, p.from - 0x1p-10, p.until + 0x1p-10);
     good = good && p.of && lines && (p.columns || !p.swapped);
     if (good) {
         double **const line[5] = {&p.near_height, &p.far_height, &p.front, &p.back, &p.back_before};
         for (size_t k = 0; k < 5; k++) *line[k] = lines + k * length + SWEEP_PAD;
+        p.starts = (uint32_t *)(lines + 5 * length) + SWEEP_PAD; /* piece 0 begins nowhere */
         *p.of = (sweep_bin){-INFINITY, {-INFINITY, -INFINITY, -INFINITY}, SKYLINE_FIRST};
         look_around(&p);
         good = sweep(&p, most, tick);

@@ -8,7 +8,7 @@ const float *cw_sweep_fetch(sweep_part *p, long row) {
     const terrain *t = p->sight->terrain;
     if (!p->swapped) return terrain_row(t, (size_t)row);
     const long first = row - row % SWEEP_COLUMNS;
-    const size_t length = (size_t)p->length;
+    const size_t stride = sweep_columns_stride(p);
     if (p->columns_from != first) {
         const long last = first + SWEEP_COLUMNS - 1 < p->rows ? first + SWEEP_COLUMNS - 1 : p->rows - 1;
         const double a = (double)first - p->eye, b = p->eye - (double)last;
@@ -16,7 +16,7 @@ const float *cw_sweep_fetch(sweep_part *p, long row) {
         const long left = sweep_clipped(p, floor(p->aside + fmin(near * p->from, far * p->from)) - SWEEP_PAD),
                    right = sweep_clipped(p, ceil(p->aside + fmax(near * p->until, far * p->until)) + SWEEP_PAD);
         if (p->near) {
-            float *kept = p->columns + SWEEP_COLUMNS * length;
+            float *kept = p->columns + SWEEP_COLUMNS * stride;
             memcpy(kept + p->columns_left, p->near + p->columns_left,
                    (size_t)(p->columns_right - p->columns_left) * sizeof *kept);
             p->near = kept;
@@ -26,11 +26,14 @@ const float *cw_sweep_fetch(sweep_part *p, long row) {
         p->columns_right = right > left ? right : left;
         const size_t count = (size_t)(last - first + 1);
         for (long j = left; j < right; j++) {
-            const float *z = terrain_row(t, (size_t)j) + first;
-            for (size_t c = 0; c < count; c++) p->columns[c * length + (size_t)j] = z[c];
+            const float *z = terrain_row(t, (size_t)j) + first,
+                        *soon = j + SWEEP_AHEAD < right ? z + SWEEP_AHEAD * t->stride : z;
+            __builtin_prefetch(soon); /* rows are far apart in memory */
+            __builtin_prefetch(soon + count - 1);
+            for (size_t c = 0; c < count; c++) p->columns[c * stride + (size_t)j] = z[c];
         }
     }
-    return p->columns + (size_t)(row - first) * length;
+    return p->columns + (size_t)(row - first) * stride;
 }
 
 void cw_sweep_heights(const sweep_part *p, const float *z, long row, long begin, long end, double *h) {
@@ -95,7 +98,7 @@ void cw_sweep_add_row(sweep_part *p, double r, long begin, long end, uint32_t st
     for (long i = begin; i < end - 1; i++) {
         if (!(all || is_ridge(p, p->back_before[i], p->front[i]))) continue;
         const double x = (double)i - p->aside;
-        if (!all) at = skyline_find(&p->line, at, (x - 3) / near);
+        if (!all) at = skyline_find(&p->line, sweep_start(p, at, i - 3, (x - 3) / near), (x - 3) / near);
         add(p, at, x, near, h[i], x + 1, near, h[i + 1]);
     }
     if (!p->holes) return;
@@ -119,7 +122,7 @@ void cw_sweep_add_between(sweep_part *p, double r, long begin, long end, uint32_
         const bool side = x != 0 && (all || is_ridge(p, x > 0 ? left : right, x > 0 ? right : left));
         const bool diagonal = i + 1 < end && (all || is_ridge(p, p->front[i], p->back[i]));
         if (!(side || diagonal)) continue;
-        if (!all) start = skyline_find(&p->line, start, (x - 3) / r);
+        if (!all) start = skyline_find(&p->line, sweep_start(p, start, i - 3, (x - 3) / r), (x - 3) / r);
         if (side) add(p, start, x, r - 1, n[i], x, r, f[i]);
         if (diagonal) add(p, start, x + (double)b, r - 1, n[i + b], x + (double)a, r, f[i + a]);
     }

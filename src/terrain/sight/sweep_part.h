@@ -6,8 +6,8 @@
 #include "skyline.h"
 #include "sweep.h"
 
-/* Ranges of directions next to the eye; columns that are fetched at once; samples beside those between the directions. */
-enum { SWEEP_AROUND = 32, SWEEP_COLUMNS = 16, SWEEP_PAD = 12 };
+/* Ranges of directions next to the eye; columns fetched at once; samples beside those between the directions; rows asked for ahead. */
+enum { SWEEP_AROUND = 32, SWEEP_COLUMNS = 16, SWEEP_PAD = 12, SWEEP_AHEAD = 24 };
 
 /* Up to here all samples are looked at exactly, as edges may be so near to the eye that they do not count, and all
  * edges are added. */
@@ -45,7 +45,8 @@ typedef struct sweep_part {
     /* How far the planes of triangles pass over the eye: those at the near row, those at the far one, and those at
      * the far row of the rows before. 0 where that is not known, NaN where there is no triangle. */
     double *front, *back, *back_before;
-    bool holes; /* there have been some */
+    bool holes;       /* there have been some */
+    uint32_t *starts; /* a piece of the skyline that began before each sample, when that was looked at; 0: none */
 
     /* The greatest so far: steps between neighbours, and the numbers whose rounding matters, per distance. */
     double step, snap, size, rise;
@@ -59,6 +60,9 @@ typedef struct sweep_part {
 } sweep_part;
 
 static inline double sweep_distance(const sweep_part *p, long row) { return fabs((double)row - p->eye); }
+
+/* Columns begin in different sets of lines of the cache, so that a sample of each can stay there. */
+static inline size_t sweep_columns_stride(const sweep_part *p) { return ((size_t)p->length | 31) + 17; }
 
 static inline long sweep_clipped(const sweep_part *p, double i) {
     return i > 0 ? i < (double)p->length ? (long)i : p->length : 0;
@@ -78,6 +82,13 @@ static inline sweep_lowering sweep_lowering_of(const sweep_part *p, long row) {
  * added. */
 static inline double sweep_error(const sweep_part *p, double r) {
     return 0x1p-25 * p->snap + 0x1p-44 * p->size + 0x1p-45 * r * (p->line.steepest + p->rise);
+}
+
+/* Where to look for the piece in direction u, in which sample i is or one before it: from at on, or from a later piece that is not gone. */
+static inline uint32_t sweep_start(const sweep_part *p, uint32_t at, long i, double u) {
+    const skyline_piece *s = p->line.pieces;
+    const uint32_t start = p->starts[i];
+    return s[start].from <= u && s[start].from > s[at].from ? start : at;
 }
 
 /* ---- sweep_edges.c --------------------------------------------------------------------------------------------- */
