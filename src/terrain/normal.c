@@ -18,11 +18,10 @@ static void find_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
             h[m] = x < t->nx && y < t->ny ? (double)terrain_row(t, y)[x] - (double)terrain_row(t, j)[i] : NAN;
         }
         if (!isfinite(h[0] + h[1])) continue;
-        /* (x, y) with x a + y b = h for both of the sides (a, b). */
+        /* (x, y) with x a + y b = h for both of the sides (a, b), whose determinant is 1. */
         const double a0 = around[k][0], b0 = around[k][1], a1 = around[k + 1][0], b1 = around[k + 1][1];
-        const double determinant = a0 * b1 - a1 * b0;
-        sum[0] += (h[0] * b1 - h[1] * b0) / determinant;
-        sum[1] += (a0 * h[1] - a1 * h[0]) / determinant;
+        sum[0] += h[0] * b1 - h[1] * b0;
+        sum[1] += a0 * h[1] - a1 * h[0];
         count++;
     }
     lean[0] = count > 0 ? sum[0] / count : NAN;

@@ -58,20 +58,9 @@ void cw_terrain_sine_cosine(double degrees, double *sine, double *cosine) {
     const double s = sin(rest), c = cos(rest);
     const double diagonal = fabs(rest) == pi / 4 ? c : fabs(s);
     const double low = s < 0 ? -diagonal : diagonal; /* the same number for both on a diagonal */
-    switch ((int)quarter & 3) {
-    case 0:
-        *sine = low, *cosine = c;
-        break;
-    case 1:
-        *sine = c, *cosine = -low;
-        break;
-    case 2:
-        *sine = -low, *cosine = -c;
-        break;
-    default:
-        *sine = -c, *cosine = low;
-        break;
-    }
+    const double sines[4] = {low, c, -low, -c}; /* a quarter of the round apart */
+    *sine = sines[(int)quarter & 3];
+    *cosine = sines[((int)quarter + 1) & 3];
 }
 
 double cw_terrain_direction(const terrain *t, double i, double j, double azimuth, double dir[2]) {

@@ -129,7 +129,7 @@ def test_maps():
     (lambda f: f.shadow(5, 5, time="2024-01-01T00:00:00Z"), ValueError, "time: goes without"),
     (lambda f: f.coarser(1), ValueError, "factor: 1, expected 2 to"),
     (lambda f: f.shadow(1e300, 5), ValueError, r"^shadow: azimuth: 1e\+300"),
-    (lambda f: f.visibility(4, curvature=1e300), ValueError, "^visibility: drop: "),
+    (lambda f: f.visibility(4, curvature=1e300), ValueError, "^visibility: curvature: "),
     (lambda f: f.viewshed(1e9, 5), ValueError, r"x, y: \(1000000000, 5, 2\) is too far"),
     (lambda f: f.viewshed(-5, 5), ValueError, r"x, y: \(-5, 5, 2\) has no ground"),
     (lambda f: f.viewshed([1, 2], 3, needed=True), ValueError, "needed: .* not of 2"),

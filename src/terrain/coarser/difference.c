@@ -40,42 +40,6 @@ typedef struct measure {
     atomic_bool out_of_memory;
 } measure;
 
-/* Of the coarser cell beside each column of the full field: its corners' heights, and how far the column is in it. */
-typedef struct columns {
-    float *corner[2][2]; /* [row][column] */
-    double *along;
-    double *before, *here; /* differences in a row of samples, and in the row before */
-} columns;
-
-static bool columns_create(columns *c, size_t nx) {
-    double *memory = malloc(nx * (3 * sizeof *memory + 4 * sizeof(float)));
-    if (memory == NULL) return false;
-    c->along = memory;
-    c->before = memory + nx;
-    c->here = memory + 2 * nx;
-    float *corners = (float *)(memory + 3 * nx);
-    for (size_t k = 0; k < 4; k++) c->corner[k / 2][k % 2] = corners + k * nx;
-    return true;
-}
-
-/* The last column of the full field belongs to the cell before it. */
-static void fill_columns(const measure *m, size_t row, columns *c) {
-    const samples *k = m->coarser;
-    size_t cell = 0, along = 0;
-    for (size_t i = 0; i < m->full->nx; i++, along++) {
-        if (along == m->factor && i + 1 < m->full->nx) {
-            along = 0;
-            cell++;
-        }
-        const float *z = k->z + row * k->stride + cell;
-        c->corner[0][0][i] = z[0];
-        c->corner[0][1][i] = z[1];
-        c->corner[1][0][i] = z[k->stride];
-        c->corner[1][1][i] = z[k->stride + 1];
-        c->along[i] = (double)along;
-    }
-}
-
 typedef struct extremes {
     double above[LANES], below[LANES];
 } extremes;
@@ -96,29 +60,20 @@ static inline void note(extremes *e, size_t lane, double d, double spread) {
     e->below[lane] = below > e->below[lane] ? below : e->below[lane];
 }
 
-/* Differences in row j of the full field, which lies down rows below the coarser cells' upper border. */
-static void difference_row(const measure *m, size_t j, double down, const columns *c, extremes *e) {
-    const double factor = (double)m->factor;
-    const float *restrict z = m->full->z + j * m->full->stride;
-    const float *restrict p00 = c->corner[0][0], *restrict p01 = c->corner[0][1];
-    const float *restrict p10 = c->corner[1][0], *restrict p11 = c->corner[1][1];
-    const double *restrict along = c->along;
-    double *restrict here = c->here;
-    size_t i = 0;
-    for (; i + LANES <= m->full->nx; i += LANES)
-        for (size_t k = 0; k < LANES; k++) {
+/* Differences in row j of the full field, cell by cell of a row of the coarser one. The last column belongs to the cell before it. */
+static void difference_row(const measure *m, size_t row, size_t j, double *restrict here, extremes *e) {
+    const samples *f = m->full, *g = m->coarser;
+    const double factor = (double)m->factor, down = (double)(j - row * m->factor);
+    const float *restrict z = f->z + j * f->stride, *p = g->z + row * g->stride;
+    for (size_t first = 0; first + 1 < f->nx; first += m->factor, p++) {
+        const double p00 = (double)p[0], p01 = (double)p[1], p10 = (double)p[g->stride], p11 = (double)p[g->stride + 1];
+        const size_t end = first + m->factor + 1 < f->nx ? first + m->factor : f->nx;
+        for (size_t i = first; i < end; i++) {
             double spread;
-            const float p = along[i + k] > down ? p01[i + k] : p10[i + k];
-            here[i + k] = difference_at(factor, along[i + k], down, (double)z[i + k], (double)p00[i + k], (double)p,
-                                        (double)p11[i + k], &spread);
-            note(e, k, here[i + k], spread);
+            const double along = (double)(i - first);
+            here[i] = difference_at(factor, along, down, (double)z[i], p00, along > down ? p01 : p10, p11, &spread);
+            note(e, i % LANES, here[i], spread);
         }
-    for (; i < m->full->nx; i++) {
-        double spread;
-        const float p = along[i] > down ? p01[i] : p10[i];
-        here[i] =
-            difference_at(factor, along[i], down, (double)z[i], (double)p00[i], (double)p, (double)p11[i], &spread);
-        note(e, 0, here[i], spread);
     }
 }
 
@@ -127,9 +82,8 @@ static void difference_row(const measure *m, size_t j, double down, const column
 static inline double squares(double a, double b, double c) { return a * a + b * b + c * c + a * b + b * c + c * a; }
 
 /* The triangles between two rows of samples, without holes. */
-static double squares_between(const columns *c, size_t cells) {
+static double squares_between(const double *restrict up, const double *restrict low, size_t cells) {
     double sums[LANES] = {0}, sum = 0;
-    const double *restrict up = c->before, *restrict low = c->here;
     size_t i = 0;
     for (; i + LANES <= cells; i += LANES)
         for (size_t k = 0; k < LANES; k++)
@@ -181,20 +135,20 @@ static bool has_hole(const samples *f, size_t row, size_t rows) {
     return false;
 }
 
-static row_sums measure_row(const measure *m, size_t row, columns *c) {
+/* before, here: room for differences in a row of samples each. */
+static row_sums measure_row(const measure *m, size_t row, double *before, double *here) {
     const size_t first = row * m->factor, left = m->full->ny - 1 - first, rows = m->factor < left ? m->factor : left;
     row_sums s = {0};
     extremes e = {{0}, {0}};
     if (has_hole(m->full, first, rows + 1) || has_hole(m->coarser, row, 2)) {
         look_at_triangles(m, row, rows, &e, &s);
     } else {
-        fill_columns(m, row, c);
         for (size_t j = 0; j <= rows; j++) {
-            difference_row(m, first + j, (double)j, c, &e);
-            if (j > 0) s.squares += squares_between(c, m->full->nx - 1);
-            double *before = c->before;
-            c->before = c->here;
-            c->here = before;
+            difference_row(m, row, first + j, here, &e);
+            if (j > 0) s.squares += squares_between(before, here, m->full->nx - 1);
+            double *const swap = before;
+            before = here;
+            here = swap;
         }
         s.both = (uint64_t)rows * 2 * (m->full->nx - 1);
     }
@@ -207,16 +161,15 @@ static row_sums measure_row(const measure *m, size_t row, columns *c) {
 
 static void measure_rows(void *context, size_t begin, size_t end) {
     measure *m = context;
-    columns c;
-    if (!columns_create(&c, m->full->nx)) {
+    double *room = malloc(2 * m->full->nx * sizeof *room);
+    if (room == NULL) {
         atomic_store(&m->out_of_memory, true);
         return;
     }
-    double *memory = c.along;
     const fpenv caller = fpenv_enter();
-    for (size_t row = begin; row < end; row++) m->rows[row] = measure_row(m, row, &c);
+    for (size_t row = begin; row < end; row++) m->rows[row] = measure_row(m, row, room, room + m->full->nx);
     fpenv_leave(caller);
-    free(memory);
+    free(room);
 }
 
 static cw_difference total(const measure *m, size_t rows) {
