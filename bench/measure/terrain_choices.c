@@ -83,9 +83,8 @@ static bool prepare(choice *c, land *l, const char *name, bool sky, io_error *er
     const double step = (double)(CELL * c->factor), map[3][4] = {{step, 0, 0, 0}, {0, step, 0, 0}, {0, 0, CELL, 0}};
     const float *z = cw_field_row(field, 0);
     const size_t stride = (size_t)(cw_field_row(field, 1) - z);
-    const terrain_desc desc = {
-        .field = field, .nx = info.nx, .ny = info.ny, .stride = stride, .z = z, .map = map, .unit = 1};
-    cw_terrain_init(&c->terrain, &desc);
+    c->terrain = (terrain){.nx = info.nx, .ny = info.ny, .stride = stride, .z = z};
+    cw_terrain_place(&c->terrain, map, &(cw_terrain_desc){.field = field, .unit = 1});
     c->out = memory(info.nx * info.ny * (sky ? 1 : ANGLES), sizeof *c->out);
     return true;
 }

@@ -10,19 +10,14 @@
 /* The terrain that a raster holds; scale is NULL or must stay. */
 static bool describe(terrain *t, const io_raster *r, const cw_field *field, const map_scale *scale, const char *path,
                      io_error *error) {
-    const terrain_desc desc = {
-        .field = field,
-        .nx = r->nx,
-        .ny = r->ny,
-        .z = r->z,
-        .map = r->map,
-        .geographic = r->georef.geographic,
-        .unit = r->georef.unit,
-        .semi_major = r->georef.semi_major,
-        .inverse_flattening = r->georef.inverse_flattening,
-        .scale = scale,
-    };
-    return cw_terrain_init(t, &desc) || io_fail(error, "%s: its map cannot be inverted", path);
+    *t = (terrain){.nx = r->nx, .ny = r->ny, .stride = r->nx, .z = r->z};
+    const cw_terrain_desc desc = {.field = field,
+                                  .scale = scale ? &scale->metres[0][0][0] : NULL,
+                                  .unit = r->georef.unit,
+                                  .semi_major = r->georef.semi_major,
+                                  .inverse_flattening = r->georef.inverse_flattening,
+                                  .geographic = r->georef.geographic};
+    return cw_terrain_place(t, r->map, &desc) || io_fail(error, "%s: its map cannot be inverted", path);
 }
 
 cw_rectangle ground_all(const ground *g) { return (cw_rectangle){0, 0, g->about.nx, g->about.ny}; }

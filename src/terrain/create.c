@@ -73,28 +73,21 @@ cw_status cw_terrain_create(const cw_terrain_desc *desc, const cw_run *run, cw_t
     terrain *t = calloc(1, sizeof *t);
     struct terrain_own *own = calloc(1, sizeof *own);
     const samples s = samples_of(desc->field);
-    const terrain_desc d = {.field = desc->field,
-                            .nx = s.nx,
-                            .ny = s.ny,
-                            .stride = s.stride,
-                            .z = s.z,
-                            .map = (const double(*)[4])map,
-                            .geographic = desc->geographic,
-                            .unit = desc->unit,
-                            .semi_major = desc->semi_major,
-                            .inverse_flattening = desc->inverse_flattening,
-                            .scale = desc->scale && own ? &own->scale : NULL};
-    if (own && desc->scale) memcpy(&own->scale, desc->scale, sizeof own->scale);
+    cw_terrain_desc kept = *desc;
+    if (t) *t = (terrain){.nx = s.nx, .ny = s.ny, .stride = s.stride, .z = s.z, .own = own};
+    if (own && desc->scale) {
+        memcpy(&own->scale, desc->scale, sizeof own->scale);
+        kept.scale = &own->scale.metres[0][0][0];
+    }
     if (t == NULL || own == NULL)
         status = cw_fail_plainly(CW_ERROR_MEMORY);
-    else if (!cw_terrain_init(t, &d))
+    else if (!cw_terrain_place(t, (const double(*)[4])map, &kept))
         status = cw_fail(CW_ERROR_ARGUMENT, "field: its map cannot be inverted");
     if (status != CW_OK) {
         free(t);
         free(own);
         return status;
     }
-    t->own = own;
     *out = t;
     return CW_OK;
 }

@@ -6,12 +6,12 @@
 
 static const double pi = 3.141592653589793;
 
-bool cw_terrain_init(terrain *t, const terrain_desc *d) {
-    *t = (terrain){.field = d->field, .nx = d->nx, .ny = d->ny, .z = d->z, .geographic = d->geographic};
-    t->stride = d->stride > 0 ? d->stride : d->nx;
-    memcpy(t->map, d->map, sizeof t->map);
+bool cw_terrain_place(terrain *t, const double (*map)[4], const cw_terrain_desc *d) {
+    t->field = d->field;
+    t->geographic = d->geographic;
+    memcpy(t->map, map, sizeof t->map);
     t->unit = d->unit > 0 ? d->unit : d->geographic ? pi / 180 : 1;
-    t->scale = d->geographic ? NULL : d->scale;
+    t->scale = d->geographic ? NULL : (const map_scale *)d->scale;
     const double flattening = d->inverse_flattening > 0 ? 1 / d->inverse_flattening : 0;
     const bool known = d->semi_major > 0;
     t->radius = known ? d->semi_major : 6378137;
@@ -58,7 +58,7 @@ void cw_terrain_sine_cosine(double degrees, double *sine, double *cosine) {
     const double s = sin(rest), c = cos(rest);
     const double diagonal = fabs(rest) == pi / 4 ? c : fabs(s);
     const double low = s < 0 ? -diagonal : diagonal; /* the same number for both on a diagonal */
-    const double sines[4] = {low, c, -low, -c}; /* a quarter of the round apart */
+    const double sines[4] = {low, c, -low, -c};      /* a quarter of the round apart */
     *sine = sines[(int)quarter & 3];
     *cosine = sines[((int)quarter + 1) & 3];
 }

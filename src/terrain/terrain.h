@@ -36,20 +36,9 @@ struct cw_terrain {
     struct terrain_own *own;           /* of cw_terrain_create: the scale, and bounds once they are needed; else NULL */
 };
 
-/* The inputs of a terrain. */
-typedef struct terrain_desc {
-    const cw_field *field;
-    size_t nx, ny, stride; /* stride 0: nx */
-    const float *z;
-    const double (*map)[4]; /* samples to the map, heights in the unit of x and y, or in metres if they are angles */
-    bool geographic;
-    double unit; /* metres, or radians if geographic, in one of x and y; 0: one metre, one degree */
-    double semi_major, inverse_flattening; /* of the ellipsoid; 0: WGS 84 */
-    const map_scale *scale; /* of a projected map, over these samples; NULL: 1 everywhere. Not of a geographic one */
-} terrain_desc;
-
-/* False if the map cannot be inverted. The terrain keeps pointers to field, samples and scale. */
-bool cw_terrain_init(terrain *t, const terrain_desc *desc);
+/* Places a terrain, whose samples and sizes are set, on its map: heights in the unit of x and y, or in metres if these are angles.
+ * False if the map cannot be inverted. The terrain keeps the pointers of the description, whose scale is a map_scale. */
+bool cw_terrain_place(terrain *t, const double (*map)[4], const cw_terrain_desc *desc);
 
 static inline const float *terrain_row(const terrain *t, size_t j) { return t->z + j * t->stride; }
 

@@ -187,10 +187,10 @@ class Core:
             # A picture's, with the first row in the north. A coarser field's samples stand more than 1 apart.
             apart = affine[0][0]
             affine = ffi.new("double[3][4]", [[apart, 0, 0, 0], [0, -apart, 0, apart * (shape[0] - 1)], [0, 0, affine[2][2], 0]])
-        terrain, crs = ffi.new("terrain *"), self.source.crs
-        desc = {"field": self.field, "nx": shape[1], "ny": shape[0], "z": self._samples, "map": affine, "geographic": crs.geographic,
-                "unit": crs.unit, "semi_major": crs.semi_major, "inverse_flattening": crs.inverse_flattening}
-        return terrain if lib.cw_terrain_init(terrain, ffi.new("terrain_desc *", desc)) else NULL
+        terrain, crs = ffi.new("terrain *", {"nx": shape[1], "ny": shape[0], "stride": shape[1], "z": self._samples}), self.source.crs
+        desc = {"field": self.field, "geographic": crs.geographic, "unit": crs.unit, "semi_major": crs.semi_major,
+                "inverse_flattening": crs.inverse_flattening}
+        return terrain if lib.cw_terrain_place(terrain, affine, ffi.new("cw_terrain_desc *", desc)) else NULL
 
     @property
     def terrain(self) -> Any:
