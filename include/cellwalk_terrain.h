@@ -169,7 +169,7 @@ enum { CW_OBSERVER_AZIMUTHS = 1, CW_OBSERVER_VERTICALS = 2 };
 typedef struct cw_observer {
     double x, y;        /* on the map. A place within 1 mm of a sample is on it */
     double height;      /* of the eye in metres above the ground; must not be below it */
-    double target;      /* metres above the ground that must be seen */
+    double target;      /* metres above the ground that must be seen; any number */
     double curvature;   /* 0 to 1e9 */
     double nearest;     /* metres on the map */
     double farthest;    /* metres on the map, 0: no limit */

@@ -146,6 +146,8 @@ def test_maps():
     (lambda f: f.viewshed(5, 5, -3), ValueError, r"x, y: \(5, 5, -3\) is under the ground"),
     (lambda f: f.viewshed(5, 5, observer_elevation=-99), ValueError, r"x, y: \(5, 5, -99\) is under the ground"),
     (lambda f: f.viewshed([5, 6], [1, 2, 3]), ValueError, r"x \(2,\), y \(3,\), observer_height \(\)"),
+    (lambda f: f.viewshed(5, 5, target_height=-5), ValueError, "target_height: -5, expected a finite number from 0 on"),
+    (lambda f: cw.open("z.npy", cellsize=0), ValueError, "cellsize: 0, expected a number above 0"),
     (lambda f: f.horizon(8, max_distance=0), ValueError, "max_distance: 0, expected metres above 0"),
     (lambda f: f.sky_view(8, curvature=-1), ValueError, "curvature: -1, expected"),
     (lambda f: f.closest(np.zeros((3, 6)), tmin=[1, 2]), ValueError, r"tmin: shape \(2,\) does not broadcast to that of the rays, \(3,\)"),

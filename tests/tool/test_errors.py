@@ -72,6 +72,8 @@ LINES = r"""
 1 | no sample is within 5 m of any observer | viewshed wall.npy --cellsize 10 --from 9000,0,=9 --max-distance 5 -o no.npy
 2 | --layer goes with --observers | viewshed wall.npy --layer a --from 1,2 -o no.npy
 2 | takes two places or more | viewshed wall.npy --from 1,2 --every 5 -o no.npy
+2 | --target-height takes metres from 0 on, not -5 | {viewshed wall.npy --from 1,2;visibility wall.npy} --target-height -5 -o no.npy
+2 | --curvature takes a number from 0 to 1e9, not 2e+09 | {los wall.npy 1,2 3,4;viewshed wall.npy --from 1,2 -o no.npy} --curvature 2e9
 2 | --every takes metres above 0, not -5 | viewshed wall.npy --observers t.csv --every -5 -o no.npy
 1 | more than 16777216 observers | viewshed wall.npy --cellsize 10 --observers t.csv --every 1e-9 -o no.npy
 1 | 9,2,=400: heights along a line are all above | viewshed wall.npy --from 1,2 --from 9,2,=400 --every 5 -o no.npy

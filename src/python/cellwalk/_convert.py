@@ -177,9 +177,7 @@ def _scale_heights(affine: np.ndarray, zscale, unit, crs: Crs, placed: bool) -> 
         warn(f"transform: samples are {dx:g} apart around ({x:g}, {y:g}), which looks like degrees, but there is no coordinate system "
               "(crs); heights are taken in the same unit")
     if zscale is not None:
-        affine[2, 2] = finite(zscale, "zscale")
-        if not affine[2, 2] > 0:
-            raise ValueError(f"zscale: {zscale!r}, expected a number above 0")
+        affine[2, 2] = above(zscale, "zscale")
     elif isinstance(unit, str) and unit.lower() in _METRES and (crs.geographic or crs.unit > 0):
         affine[2, 2] = _METRES[unit.lower()] / (1.0 if crs.geographic else crs.unit)
     elif placed and not crs.geographic and crs.unit not in (0, 1):
@@ -258,6 +256,13 @@ def finite(value, name: str, low: float = -math.inf, high: float = math.inf) -> 
         limits = f" from {low:g} to {high:g}" if high < math.inf else f" from {low:g} on" if low > -math.inf else ""
         raise ValueError(f"{name}: {value!r}, expected a finite number{limits}")
     return number
+
+
+def above(value, name: str, what: str = "a number above 0") -> float:
+    """A number above 0; 0 for None."""
+    if value is not None and not finite(value, name) > 0:
+        raise ValueError(f"{name}: {value!r}, expected {what}")
+    return 0.0 if value is None else float(value)
 
 
 def common_shape(named: dict[str, tuple], shapes=None) -> tuple[int, ...]:

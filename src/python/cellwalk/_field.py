@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 import numpy as np
 
-from ._convert import check_sides, coarser_like, common_shape, count, finite, nodata_of, numbers, read_source, samples_of, warn_of_heights
+from ._convert import above, check_sides, coarser_like, common_shape, count, nodata_of, numbers, read_source, samples_of, warn_of_heights
 from ._core import Core, Work, ffi, lib, owner, raster_door
 from ._light import Light
 from ._raster import Source, read_crs, read_raster, scale_of
@@ -309,8 +309,7 @@ def open(path: str | bytes | os.PathLike, window: Any = None, *, band: int | Non
     path = os.fsdecode(path)
     column, row, columns, rows = _window(window)
     given, sentences = read_raster(path, 0 if band is None else count(band, "band", 1, 65535), nodata_of(nodata),
-                                   0.0 if cellsize is None else finite(cellsize, "cellsize", 0),
-                                   0.0 if zscale is None else finite(zscale, "zscale", 0), (column, row, columns, rows), progress)
+                                   above(cellsize, "cellsize"), above(zscale, "zscale"), (column, row, columns, rows), progress)
     for sentence in sentences:  # arguments in place of the program's options
         text = re.sub(r"--(band|nodata|zscale)( (?=[-\d]))?", lambda found: found[1] + ("=" if found[2] else ""), sentence)
         warnings.warn(text, stacklevel=2)

@@ -8,7 +8,7 @@ from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
 
-from ._convert import common_shape, count, dress, finite, numbers
+from ._convert import above, common_shape, count, dress, finite, numbers
 from ._core import Core, Work, ffi, lib
 from ._raster import Source, find_place
 
@@ -85,12 +85,7 @@ class Products:
 
 def distance_of(max_distance) -> float:
     """Metres; 0: no limit."""
-    if max_distance is None:
-        return 0.0
-    distance = finite(max_distance, "max_distance", 0)
-    if distance == 0:
-        raise ValueError("max_distance: 0, expected metres above 0")
-    return distance
+    return above(max_distance, "max_distance", "metres above 0")
 
 
 def round_of(directions, max_distance, curvature, start=0.0, flags: int = 0) -> dict[str, Any]:

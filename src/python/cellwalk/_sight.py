@@ -196,7 +196,7 @@ class Sight(Products):
 
     def _limits(self, target_height, max_distance, min_distance, azimuth, vertical, curvature) -> dict[str, Any]:
         """Which targets count, and the earth's curvature, as cw_observer has them."""
-        limits: dict[str, Any] = {"target": finite(target_height, "target_height"), "farthest": distance_of(max_distance),
+        limits: dict[str, Any] = {"target": finite(target_height, "target_height", 0), "farthest": distance_of(max_distance),
                                   "nearest": finite(min_distance, "min_distance", 0), "curvature": self._bend(curvature), "limits": 0}
         if max_distance is not None and limits["nearest"] > limits["farthest"]:
             raise ValueError(f"min_distance: {min_distance} is more than max_distance={max_distance}")

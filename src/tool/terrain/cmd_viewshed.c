@@ -89,8 +89,8 @@ static int run(int argc, char **argv) {
         option_metres("every", &c.from.every,
                       "the places are the corners of a line, and so are those of each line in a file: an observer "
                       "stands at its beginning and every D metres; heights and weights change evenly between corners"),
-        option_number("target-height", "T", &c.look.target,
-                      "height of the target above ground, in metres (default: 0, the ground)"),
+        option_range("target-height", "T", &c.look.target, 0, DBL_MAX, "metres from 0 on",
+                     "height of the target above ground, in metres (default: 0, the ground)"),
         option_metres("max-distance", &c.look.farthest,
                       "samples farther away than D metres are not seen, nor read and written (default: no limit)"),
         option_range("min-distance", "D", &c.look.nearest, 0, DBL_MAX, "metres",

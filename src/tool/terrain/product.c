@@ -49,8 +49,12 @@ option_spec product_flat_earth_row(double *curvature) {
 
 option_spec product_round_earth_row(double *curvature) {
     *curvature = NAN;
-    return curvature_row(curvature, "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 "
-                                    "with usual refraction (default: 6/7, or 0 for a file without map and --cellsize)");
+    option_spec row =
+        curvature_row(curvature, "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 "
+                                 "with usual refraction (default: 6/7, or 0 for a file without map and --cellsize)");
+    row.high = 1e9; /* as cw_observer has it */
+    row.takes = "a number from 0 to 1e9";
+    return row;
 }
 
 bool product_parse_sun(const char *name, const char *text, double sun[2]) {
