@@ -49,7 +49,7 @@ LINES = r"""
 2 | go with none of --svf | horizon wall.npy --at 1,2 {--svf;--window 0,0,9,9}
 1 | no room for 32 bands | horizon wall.npy -o no.png
 1 | 70,5,=99: is not on the terrain, where the horizon is found | horizon wall.npy --at 70,5,=99 -o no.csv
-1 | no.tif: is a raster's name | horizon wall.npy --at 5,5 -o no.tif
+1 | no.tif: is a raster's name | {horizon wall.npy --at 5,5 -o;los wall.npy --pairs pairs.csv -o;los wall.npy 1,2 3,4 --profile;viewshed wall.npy --from 1,2 -o no.npy --table} no.tif
 2 | takes metres above 0, not 0 | {horizon wall.npy --max-distance;visibility wall.npy --max-distance;viewshed wall.npy --from 1,2 --max-distance;viewshed wall.npy --from 1,2 --every} 0 -o no.npy
 2 | --cog goes with -o FILE.tif | shadow wall.npy --sun 0,9 --cog -o no.npy
 2 | --co goes with -o FILE.tif | shadow wall.npy --sun 0,9 --co A=B -o no.npy

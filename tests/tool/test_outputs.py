@@ -139,10 +139,11 @@ def test_two_results_do_not_take_one_name():
     """Names are compared by ../io/test_outputs.py; here are the outputs and inputs of each command, new ones and in place of old ones."""
     write("places.csv", "x,y\n20,20\n")
     os.link("places.csv", "view.pgw")
+    os.symlink("out.npy", "out.csv")
     seen, at = ("viewshed", "field.npy", *MAP, "--observers", "places.csv"), ("horizon", "field.npy", *MAP, "--places", "places.csv")
     day = "sun", "field.npy", *MAP, "--lon-lat", "9,47", "--date", "2024-06-21", "--step", "6h", "--at", "20,20"
     for _ in range(2):
-        for words in (*LOS, "-o", "a.csv", "--profile", "./a.csv"), (*seen, "-o", "out.npy", "--table", "./out.npy"), (*seen, "-o", "out.png", "--table", "out.pgw"):
+        for words in (*LOS, "-o", "a.csv", "--profile", "./a.csv"), (*seen, "-o", "out.npy", "--table", "./out.csv"), (*seen, "-o", "out.png", "--table", "out.pgw"):
             refused(1, "is also another output", *words)
             write(words[-3], "old")
     for words in (*seen, "-o", "out.npy", "--table", "field.npy"), (*seen, "-o", "out.npy", "--table", "places.csv"), (*at, "-o", "field.npy"), \

@@ -150,6 +150,8 @@ static bool look_at_pairs(los_command *c, io_error *error) {
 static bool look(los_command *c, io_error *error) {
     c->curvature = ground_curvature(&c->product.ground, c->curvature);
     if (c->pairs && !io_inputs_note_path(c->pairs)) return io_fail(error, "out of memory");
+    if (!product_check_table(c->output, "-o", error) || !product_check_table(c->profile, "--profile", error))
+        return false;
     if (c->profile && (!io_output_open(&c->profiles, c->profile, error) ||
                        !io_output_print(&c->profiles, error, "pair,distance,x,y,ground,line,seen%s\n",
                                         c->megahertz > 0 ? ",fresnel_radius" : "")))

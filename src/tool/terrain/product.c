@@ -106,6 +106,12 @@ static bool is_input(const char *output) {
     return stat(output, &about) == 0 && io_inputs_have(&about);
 }
 
+/* Of an input that is said when the table is opened. */
+bool product_check_table(const char *path, const char *option, io_error *error) {
+    return path == NULL || is_input(path) || !io_raster_is_name(path) ||
+           io_fail(error, "%s: is a raster's name, and the result is a table; give %s FILE.csv", path, option);
+}
+
 bool product_check_output(const product *p, io_error *error) {
     return !is_input(p->output) ||
            io_fail(error, "%s: is also an input; choose another name for the output", p->output);
@@ -117,7 +123,7 @@ static bool open_ground(product *p, size_t bands, io_error *error) {
     if ((p->cog || p->creation.count > 0) &&
         !io_raster_check_creation(p->creation.values, p->creation.count, p->cog, error))
         return false;
-    if (bands > 0 && io_inputs_note_path(g->path) && is_input(p->output))
+    if (io_inputs_note_path(g->path) && bands > 0 && is_input(p->output))
         return io_fail(error, "%s: is the terrain itself and cannot be overwritten", p->output);
     g->query = p->fields.query;
     if (cw_pool_create(p->fields.threads, &g->query.pool) != CW_OK) return io_fail(error, "%s", cw_last_error());
@@ -126,10 +132,7 @@ static bool open_ground(product *p, size_t bands, io_error *error) {
     g->coarser = p->fields.coarser;
     g->watch = p->fields.watch;
     if (!ground_open(g, error) || (p->window && !ground_find_window(g, p->extent, p->window, error))) return false;
-    if (bands == 0) /* a table; an input's name is refused with the others */
-        return p->output == NULL || (io_inputs_note_path(g->path) && is_input(p->output)) ||
-               !io_raster_is_name(p->output) ||
-               io_fail(error, "%s: is a raster's name, and the result is a table; give -o FILE.csv", p->output);
+    if (bands == 0) return product_check_table(p->output, "-o", error);
     return product_check_output(p, error); /* a VRT's sources, known by now */
 }
 

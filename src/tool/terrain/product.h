@@ -73,6 +73,9 @@ int product_open(product *p, const char *path, size_t bands);
 /* Returns the exit status of the work, after the message in error unless it was good. */
 int product_close(product *p, bool good, const io_error *error);
 
+/* The path, or NULL, that an option names for a table is not a raster's; an error if it is. */
+bool product_check_table(const char *path, const char *option, io_error *error);
+
 /* The output is none of the inputs that have been noted; an error if it is. */
 bool product_check_output(const product *p, io_error *error);
 

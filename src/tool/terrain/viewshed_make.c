@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "viewshed_make.h"
 
+#include "command.h"
 #include "large.h"
 #include "sight.h"
 #include "table.h"
@@ -311,6 +312,7 @@ static bool check(const viewshed_command *c, io_error *error) {
 bool viewshed_begin(product *p, io_error *error) {
     viewshed_command *c = p->context;
     c->look.curvature = ground_curvature(&p->ground, c->look.curvature);
+    if (!product_check_table(c->table, "--table", error)) return false;
     if (!observers_find(&c->observers, &c->from, &p->ground, error) || !skip_observers(c, false, error)) return false;
     if (c->kind == VIEW_SEEN && !c->bands && c->observers.count > COUNT_MOST) c->kind = VIEW_WEIGHT;
     if (!check(c, error) || !product_check_output(p, error) || !read_samples(c, error) ||
@@ -326,7 +328,11 @@ bool viewshed_begin(product *p, io_error *error) {
 
 bool viewshed_finish(product *p, io_error *error) {
     viewshed_command *c = p->context;
-    return c->own == NULL || io_output_commit(&c->table_file, error);
+    if (c->own == NULL) return true;
+    if (!io_output_commit(&c->table_file, error)) return false;
+    command_wrote(p->name, p->quiet, c->table, p->start, "views from %zu place%s", c->observers.count,
+                  c->observers.count == 1 ? "" : "s");
+    return true;
 }
 
 void viewshed_end(void *context) {
