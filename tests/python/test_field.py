@@ -159,6 +159,7 @@ def test_maps():
     (lambda f: f.viewshed([1, 8], 1, every=1e-4), ValueError, "at most 65534"),
     (lambda f: f.insolation(suns=[(1, 91)]), ValueError, "^suns: .*altitudes from -90"),
     (lambda f: f.insolation(suns=np.empty((0, 3))), ValueError, "^suns: .*shape"),
+    (lambda f: cw.Field(f.z, crs="EPSG:4326").insolation("2024", lon_lat=(1, 2)), ValueError, "^lon_lat: is for fields without"),
     (lambda f: f.insolation("2024", suns=[(1, 2)]), ValueError, "^suns: goes without date"),
     (lambda f: cw.Field(np.zeros((9, 9)), transform=(1, 0, 0, 0, -1, 99), crs="EPSG:4326").sun("2024-06-21T12:00Z"), ValueError, "^latitude: 94"),
     (lambda f: cw.sun("yesterday\0", 0, 0), ValueError, r"time: 'yesterday\\x00'"),

@@ -231,17 +231,23 @@ def test_openness():
             same(f.openness(16, distance, negative=True), under.openness(16, distance))
 
 
-def test_sun_days_are_those_of_the_raster(ground):
+def test_sun_days_are_those_of_the_raster(ground, monkeypatch):
     """At samples, for the sun over the raster's middle."""
     f = ground.field
-    middle = (11, 47) if ground.path.suffix == ".npy" else f._locate("date")[:2]
+    known = ground.path.suffix != ".npy"
+    middle = f._locate("date")[:2] if known else (11, 47)
     if ground.path.parent.name.startswith(("turned", "utm", "mercator")):
         middle = None  # the map's north counts too, and the sun stands over the place: the same but for a step
-    hours = f.insolation("2024-03-20", "2024-03-21", step="5min", lon_lat=middle)
-    energy = f.insolation("2024-03-20", "2024-03-21", step="5min", irradiance=True, lon_lat=middle)
+    elif known:
+        monkeypatch.setattr(f, "_locate", lambda *_: (*middle, 0.0))
+    place = None if known else middle
+    if known:
+        assert "--lon-lat is for files" in tool("sun", ground.path, "--date", "2024-03-20", "--lon-lat", "11,47", "-o", "o.npy", fails=True)
+    hours = f.insolation("2024-03-20", "2024-03-21", step="5min", lon_lat=place)
+    energy = f.insolation("2024-03-20", "2024-03-21", step="5min", irradiance=True, lon_lat=place)
     for i, j in ((20, 30), (41, 9), (60, 50)):
         x, y = f.map[:2] @ (i, j, 0, 1)
-        d = f.sun_days(x, y, "2024-03-20", "2024-03-21", step="5min", tilt="ground", lon_lat=middle)
+        d = f.sun_days(x, y, "2024-03-20", "2024-03-21", step="5min", tilt="ground", lon_lat=place)
         assert d.hours.sum() == pytest.approx(hours[j, i], abs=1e-4 if middle else 0.2)
         assert d.direct.sum() == pytest.approx(energy[0, j, i], rel=2e-5 if middle else 0.02, abs=1e-2 if middle else 20)
         assert d.diffuse.sum() == pytest.approx(energy[1, j, i], rel=2e-5 if middle else 0.01)

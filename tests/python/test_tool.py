@@ -73,7 +73,7 @@ def test_lines_of_products(ground):
 
 
 @pytest.mark.parametrize("name, words, wanted", [
-    ("horizon", "--at {at} --at {at},9", "horizons of 2 places"), ("sun", "--at {at} --date 2024-03 --lon-lat 9,47", r"31 days at a place, \d+ hours of sun, [\d.]+ kWh/m2"),
+    ("horizon", "--at {at} --at {at},9", "horizons of 2 places"), ("sun", "--at {at} --date 2024-03 {where}", r"31 days at a place, \d+ hours of sun, [\d.]+ kWh/m2"),
     ("sun", "--at {at} --suns suns.csv", "the suns of suns.csv at a place"), ("los", "--pairs pairs.csv", "1 of 2 pairs see each other"),
     ("trace", "rays.npy --user", "33.3 % of 3 rays hit"), ("render", "--size 40x30 --samples 1", "40 x 30 pixels")])
 def test_lines_of_tables_rays_and_pictures(ground, name, words, wanted):
@@ -81,7 +81,7 @@ def test_lines_of_tables_rays_and_pictures(ground, name, words, wanted):
     write("suns.csv", "azimuth,altitude\n180,30\n")
     write("pairs.csv", f"x1,y1,height1,x2,y2,height2\n{p.at[0]},500,{p.at[1]},500\n{p.at[0]},0,{p.at[1]},0\n")
     np.save("rays.npy", np.array([[p.xs[0], p.ys[0], 1e6, 0, dx, 0, -1, np.inf] for dx in (0, 1e9, -1e9)]))
-    says(wanted, name, ground.path, *words.format(at=p.at[0]).split(), out={"trace": "hits.npy", "render": "out.png"}.get(name, "out.csv"))
+    says(wanted, name, ground.path, *words.format(at=p.at[0], where="" if p.known else "--lon-lat 9,47").split(), out={"trace": "hits.npy", "render": "out.png"}.get(name, "out.csv"))
 
 
 def test_pictures_show_relief_values_and_observers(ground):

@@ -128,7 +128,7 @@ LINES = r"""
 2 | --tilt takes degrees | sun wall.npy --at 9,9 --lon-lat 9,47 --date 2024 --tilt flat
 2 | --facing goes with --tilt | sun wall.npy --at 9,9 --lon-lat 9,47 --date 2024 --facing 9
 2 | --date takes a day | sun wall.npy --lon-lat 9,47 --date {2024-13;2024-02-30;yesterday} -o no.npy
-1 | names no coordinate system | sun wall.npy --date 2024-06-21 -o no.npy
+1 | so the sun's place at a time is not known; --lon-lat tells it | sun wall.npy --date 2024-06-21 {-o no.npy;--at 5,5}
 2 | is before | sun wall.npy --date 2024-06-21 --to 2024-06-20 -o no.npy
 2 | divides a day | sun wall.npy --date 2024-06-21 --step 7min -o no.npy
 2 | not '15' | sun wall.npy --date 2024-06-21 --step 15 -o no.npy

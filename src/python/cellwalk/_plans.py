@@ -63,11 +63,13 @@ class Products:
     def _locate(self, what: str, place: Optional[tuple[float, float]] = None, lon_lat=None) -> tuple[float, float, float]:
         """Longitude and latitude of a place, by default the middle, unless they are given; how far the map's north is turned there from the
         true one, toward the west."""
+        m, known, (rows, columns) = self._source.map, self._source.crs, self.shape
         if lon_lat is not None:
             if np.shape(lon_lat) != (2,):
                 raise ValueError(f"lon_lat: {lon_lat!r}, expected a longitude and a latitude")
+            if known.geographic or known.wkt is not None:
+                raise ValueError("lon_lat: is for fields without a coordinate system (crs), and this one has it")
             return finite(lon_lat[0], "lon_lat"), finite(lon_lat[1], "lon_lat", -90, 90), 0.0
-        m, known, (rows, columns) = self._source.map, self._source.crs, self.shape
         i, j = 0.5 * (columns - 1), 0.5 * (rows - 1)
         x, y = (float(m[k][0] * i + m[k][1] * j + m[k][3]) for k in range(2)) if place is None else place
         if known.geographic:

@@ -128,8 +128,7 @@ static bool begin(product *p, io_error *error) {
     const ground *g = &p->ground;
     sun_place *place = &c->at.desc.place;
     if (c->at.at) return sun_table_write(p, &c->at, error);
-    if (!c->place && !c->at.suns && !sun_place_of(&g->whole, &g->about.georef, NULL, g->path, NULL, place, error))
-        return false;
+    if (!c->at.suns && !sun_table_place(p, &c->at, &g->whole, NULL, error)) return false;
     if (!find_suns(c, place, error) || !product_check_output(p, error) || !enter(p, error) ||
         !find_what_matters(p, error))
         return false;

@@ -28,6 +28,16 @@ bool sun_table_check(sun_table *a, const char *name) {
     return product_parse_place(name, a->at, 0, &a->place);
 }
 
+bool sun_table_place(const product *p, sun_table *a, const terrain *t, const double at[2], io_error *error) {
+    const ground *g = &p->ground;
+    sun_place found;
+    const bool known = sun_place_of(t, &g->about.georef, at, g->path, "--lon-lat tells it", &found, error);
+    if (known && a->placed)
+        return io_fail(error, "%s: the file says where on earth it lies; --lon-lat is for files that do not", g->path);
+    if (known) a->desc.place = found;
+    return known || a->placed;
+}
+
 /* Days that share a row. */
 typedef struct sum {
     sun_day all;
@@ -113,9 +123,7 @@ bool sun_table_write(product *p, sun_table *a, io_error *error) {
         !ground_find_place(t, &a->place, eye, NULL, error))
         return false;
     terrain_to_map(t, eye[0], eye[1], xy);
-    if (!a->placed && !a->suns &&
-        !sun_place_of(t, &g->about.georef, xy, g->path, "--lon-lat tells it", &d->place, error))
-        return false;
+    if (!a->suns && !sun_table_place(p, a, t, xy, error)) return false;
     if (a->ground) cw_sun_day_lean(t, eye, d);
     if (cw_sight_bounds_create(t, &bounds) != CW_OK) return io_fail(error, "out of memory");
     cw_sight_init(&s, t, bounds, eye, a->curvature);
