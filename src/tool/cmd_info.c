@@ -207,6 +207,8 @@ static int show(const char *path, const field_options *options, bool json, bool 
 
 static int run(int argc, char **argv) {
     static field_options shared; /* large */
+    static const char *const of_field[] = {"band",    "nodata", "zscale",  "cellsize",
+                                           "coarser", "filter", "samples", NULL};
     bool json = false, samples = false;
     const option_spec options[] = {
         option_flag("json", &json, "print one JSON object"),
@@ -234,7 +236,10 @@ static int run(int argc, char **argv) {
     };
     const char *path;
     const int status = field_options_parse(&shared, &usage, FIELD_KERNELS, argc, argv, &path);
-    return status == OPTIONS_GO ? show(path, &shared, json, samples) : status;
+    if (status != OPTIONS_GO) return status;
+    return path || options_lack("info", of_field, "goes with a FIELD, which is missing")
+               ? show(path, &shared, json, samples)
+               : EXIT_USAGE;
 }
 
 const command command_info = {"info", "print a field's contents and cost, or this machine's kernels", run};

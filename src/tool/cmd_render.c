@@ -85,16 +85,6 @@ static int render_terrain(render_command *c, const char *path) {
     return status;
 }
 
-/* False, after a message, if there is an option that a scene has no use for. */
-static bool check_scene(const char *path) {
-    static const char *const others[] = {"from",      "to",   "sun",     "time",   "sky",    "haze",     "water", "fov",
-                                         "curvature", "band", "coarser", "nodata", "zscale", "cellsize", "filter"};
-    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
-        if (options_given(others[k]))
-            return command_refuse(name, "--%s is for rasters, and %s is a scene", others[k], path);
-    return true;
-}
-
 /* False, after a message, if a size or a crop is none: whole numbers with a separator between each two. */
 static bool read_area(render_command *c) {
     const char *size = c->size ? c->size : "1x1", *crop = c->crop ? c->crop : "0,0,1,1";
@@ -115,6 +105,9 @@ static bool read_area(render_command *c) {
 
 static int run(int argc, char **argv) {
     static render_command c = {.view = {.water = NAN}}; /* large */
+    static const char *const of_terrain[] = {"from",   "to",       "sun",       "time", "sky",     "haze",
+                                             "water",  "fov",      "curvature", "band", "coarser", "nodata",
+                                             "zscale", "cellsize", "filter",    NULL};
     option_spec curvature = product_flat_earth_row(&c.view.curvature);
     curvature.help =
         "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 with usual refraction; "
@@ -184,7 +177,8 @@ static int run(int argc, char **argv) {
     if (status != OPTIONS_GO) return status;
     const char *ending = strrchr(path, '.');
     c.terrain = ending == NULL || strcasecmp(ending, ".pbrt") != 0;
-    if ((!c.terrain && !check_scene(path)) || !read_area(&c)) return EXIT_USAGE;
+    if ((!c.terrain && !options_lack(name, of_terrain, "is for rasters, not for scenes")) || !read_area(&c))
+        return EXIT_USAGE;
     io_error error;
     if (c.output == NULL || !io_image_can_write(c.output, &error)) {
         command_fail(name, "%s", c.output ? error.text : "no picture to write to: -o IMAGE is missing");

@@ -79,6 +79,8 @@ static bool resolve_reading(field_options *f) {
         if (end == f->nodata.values[k] || *end != '\0' || !isfinite(f->nodata_values[k]))
             return command_refuse(f->name, "--nodata takes a number, not '%s'", f->nodata.values[k]);
     }
+    if (options_given("filter") && f->coarser.factor == 0)
+        return command_refuse(f->name, "--filter goes with --coarser N");
     if (f->network) gdal_allow_network();
     f->watch = (ground_watch){tell, {warn, f}, note, f};
     f->reading = (io_raster_options){

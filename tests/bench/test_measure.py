@@ -27,7 +27,8 @@ def run(*words, status=0, **more):
 
 def measure(folder, plan, *words, status=0):
     (folder / "my.plan").write_text(plan)
-    done = run("measure", folder / "my.plan", "-o", folder / "out.jsonl", *WIDE, *words, status=status)
+    usual = [w for k in range(0, len(WIDE), 2) if WIDE[k] not in words for w in WIDE[k:k + 2]]
+    done = run("measure", folder / "my.plan", "-o", folder / "out.jsonl", *usual, *words, status=status)
     lines = [json.loads(line) for line in (folder / "out.jsonl").read_text().splitlines()]
     assert lines[0]["kind"] == "run" and lines[0]["commit"] and "load" in lines[0]
     return done, [line for line in lines if line["kind"] == "result"]

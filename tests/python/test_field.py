@@ -140,6 +140,7 @@ def test_maps():
     (lambda f: f.line_of_sight((1, 2), (7, 2), absolute=(True,)), TypeError, r"absolute: \(True,\), expected"),
     (lambda f: f.viewshed(5, 5, weights=1, bands=True), ValueError, "weights: adds observers up"),
     (lambda f: f.viewshed(5, 5, azimuth=90), ValueError, "azimuth: 90, expected two angles"),
+    (lambda f: f.viewshed(5, 5, needed=True, target_height=3), ValueError, "^target_height: .* needed looks for"),
     (lambda f: f.viewshed(5, 5, vertical=(9, 3)), ValueError, "vertical: .* the lower angle first"),
     (lambda f: f.sites(5, 5, within=np.ones((2, 2))), ValueError, r"within: shape \(2, 2\), expected the field's"),
     (lambda f: f.line_of_sight((1, 2), (3, 4), frequency=0), ValueError, "frequency: 0"),

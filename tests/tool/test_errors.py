@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from program import SCENE, commands, info, library, needs_room, rays, read, refused, run, wall, write
 
-# The status, a part of the message, the words, and what is in bad.csv; ~ is a new line. Of {a;b} each is tried.
+# The status, a part of the message, the words, and what is in bad.csv; ~ is a new line. Of {a;b} each is tried, with that in another place.
 LINES = r"""
 2 | did you mean trace? | tarce
 2 | unknown option '--verbose' | --verbose
-2 | FIELD is missing | trace
-2 | RAYS.npy is missing | trace wall.npy
+2 | {FIELD;RAYS.npy} is missing | trace {;wall.npy}
 2 | nothing to do | trace wall.npy rays.npy
 2 | 'hits.npy' is one argument too many | trace wall.npy rays.npy hits.npy
 2 | --output needs a value | trace wall.npy rays.npy -o {; ''}
@@ -29,19 +28,19 @@ LINES = r"""
 2 | standard output cannot take both | trace wall.npy rays.npy -o - --json
 2 | --occluded finds no hit | trace wall.npy rays.npy --occluded --points -o no.npy
 2 | brute does not have the leaf test watertight | trace wall.npy rays.npy --json --kernel brute --leaf watertight
-2 | CELLWALK_ISA 'sse' is unknown; there are scalar, | ISA=sse trace wall.npy rays.npy -o no.npy
-2 | CELLWALK_ISA '' is unknown; there are scalar, | ISA= trace wall.npy rays.npy -o no.npy
+2 | CELLWALK_ISA '{sse;}' is unknown; there are scalar, | ISA={sse;} trace wall.npy rays.npy -o no.npy
 2 | packet4 needs sse4.2; this machine, or the limit set by --isa or CELLWALK_ISA, has scalar | {ISA=scalar ;}trace wall.npy rays.npy --json --kernel packet4 {; --isa scalar}
 2 | --isa sse4.2: this machine, or CELLWALK_ISA, allows no more than scalar | ISA=scalar trace wall.npy rays.npy --json --isa sse4.2
 2 | 'b' is one argument too many | info a b
+2 | goes with a FIELD, which is missing | info {--samples;--band 2;--coarser 4}
+2 | is given twice | {trace wall.npy rays.npy -o a.npy -o;viewshed wall.npy --from 1,2 --from 1,3 --window 0,0,9,9 --window=0,0,9,9 -o;info --threads 1 --threads 1} no.npy
+2 | --filter goes with --coarser | info wall.npy --filter mean
+2 | --target-height goes without --needed | viewshed wall.npy --from 1,2 --needed --target-height 0 -o no.npy
 1 | cellwalk info: --json: | info -- --json
 1 | f8.npy: holds elements of type '<f8', not '<f4' | trace wall.npy f8.npy -o no.npy
-1 | seven.npy: shape (2, 7), but rays are (N, 8) | trace wall.npy seven.npy -o no.npy
-1 | flat.npy: shape (16,), but rays are (N, 8) | trace wall.npy flat.npy -o no.npy
-1 | .: cannot read: Is a directory | trace wall.npy . -o no.npy
-1 | absent.npy: cannot read: No such file | trace wall.npy absent.npy -o no.npy
-1 | row.npy: 16 x 1 samples: | trace row.npy rays.npy -o no.npy
-1 | cube.npy: shape (2, 2, 4), but a raster is (rows, columns) | trace cube.npy rays.npy -o no.npy
+1 | {seven.npy: shape (2, 7);flat.npy: shape (16,)}, but rays are (N, 8) | trace wall.npy {seven;flat}.npy -o no.npy
+1 | {.: cannot read: Is a directory;absent.npy: cannot read: No such file} | trace wall.npy {.;absent.npy} -o no.npy
+1 | {row.npy: 16 x 1 samples:;cube.npy: shape (2, 2, 4), but a raster is (rows, columns)} | trace {row;cube}.npy rays.npy -o no.npy
 1 | cellwalk trace: s.pbrt: | trace s.pbrt rays.npy -o no.npy
 1 | cellwalk trace: field: | trace field rays.npy -o no.npy
 2 | --distance goes with none of | horizon wall.npy --distance --svf -o no.npy
@@ -51,8 +50,7 @@ LINES = r"""
 1 | 70,5,=99: is not on the terrain, where the horizon is found | horizon wall.npy --at 70,5,=99 -o no.csv
 1 | no.tif: is a raster's name | {horizon wall.npy --at 5,5 -o;los wall.npy --pairs pairs.csv -o;los wall.npy 1,2 3,4 --profile;viewshed wall.npy --from 1,2 -o no.npy --table} no.tif
 2 | takes metres above 0, not 0 | {horizon wall.npy --max-distance;visibility wall.npy --max-distance;viewshed wall.npy --from 1,2 --max-distance;viewshed wall.npy --from 1,2 --every} 0 -o no.npy
-2 | --cog goes with -o FILE.tif | shadow wall.npy --sun 0,9 --cog -o no.npy
-2 | --co goes with -o FILE.tif | shadow wall.npy --sun 0,9 --co A=B -o no.npy
+2 | --{cog;co} goes with -o FILE.tif | shadow wall.npy --sun 0,9 {--cog;--co A=B} -o no.npy
 1 | so the sun's place at a time is not known; give --sun | {shadow;render} wall.npy --time 2024-06-21T12:00:00Z -o no.{npy;exr}
 2 | --sun 0,91: the second number is the altitude, and 91 degrees is none; the azimuth is first | {shadow;render} wall.npy --sun 0,91 -o no.{npy;exr}
 2 | not 'noon' | {shadow;render} wall.npy --time noon -o no.{npy;exr}
@@ -87,17 +85,14 @@ LINES = r"""
 2 | is that of one observer, not of 2; --bands | viewshed wall.npy --from 1,2 --from 9,2 {--angle;--needed} -o no.npy
 1 | a table has no layers | viewshed wall.npy --observers t.csv --layer a -o no.npy
 2 | --azimuth takes two angles | viewshed wall.npy --from 1,2 --azimuth {1;1,400} -o no.npy
-2 | the lower one first, not '5,-5' | viewshed wall.npy --from 1,2 --vertical 5,-5 -o no.npy
-2 | --vertical takes two angles | viewshed wall.npy --from 1,2 --vertical -91,0 -o no.npy
+2 | {the lower one first, not '5,-5';--vertical takes two angles} | viewshed wall.npy --from 1,2 --vertical {5,-5;-91,0} -o no.npy
 2 | --needed looks for that height | viewshed wall.npy --from 1,2 --vertical -9,0 --needed -o no.npy
-2 | --min-distance takes metres, not -1 | viewshed wall.npy --from 1,2 --min-distance -1 -o no.npy
-2 | --min-distance 9 is more than | viewshed wall.npy --from 1,2 --min-distance 9 --max-distance=5 -o no.npy
+2 | --min-distance {takes metres, not -1;9 is more than} | viewshed wall.npy --from 1,2 --min-distance {-1;9 --max-distance=5} -o no.npy
 1 | t.npy: is also an input | viewshed wall.npy --cellsize 10 --observers t.csv -o t.npy
 1 | no room for 2 bands | viewshed wall.npy --cellsize 10 --observers t.csv --bands -o no.png
 2 | a place is X,Y or X,Y,H with H metres above ground, or X,Y,=Z with an absolute height, not | los wall.npy {5;1,2,=;1,=2} 10,10,2
 1 | pairs.csv | los wall.npy --pairs pairs.csv -o ./pairs.csv
-2 | FROM is missing, or --pairs FILE | los wall.npy
-2 | TO is missing, or --pairs FILE | los wall.npy 1,2
+2 | {FROM;TO} is missing, or --pairs FILE | los wall.npy {;1,2}
 2 | -o goes with --pairs | los wall.npy 1,2 3,4 -o no.csv
 2 | --json goes with two places | los wall.npy --pairs pairs.csv --json
 2 | --profile needs a file that nothing else is written to | los wall.npy --pairs pairs.csv --profile -
@@ -108,9 +103,7 @@ LINES = r"""
 1 | bad.csv:3: 'two' stands where a number should, in y | viewshed wall.npy --observers bad.csv -o no.npy | x,y~1,1~1,two~
 1 | bad.csv:2: '=' stands where a height, as 2 or =1250, should, in height | viewshed wall.npy --observers bad.csv -o no.npy | x,y,height~1,1,=~
 1 | bad.csv:2: 'heavy' stands where a number should, in weight | viewshed wall.npy --observers bad.csv -o no.npy | x,y,weight~1,1,heavy~
-1 | bad.csv:4: 70,10,2: lies outside | viewshed wall.npy --observers bad.csv -o no.npy | x,y~10,10~~70,10~
-1 | bad.csv:2: 1e+300,1,2: is too far away | viewshed wall.npy --observers bad.csv -o no.npy | x,y~1e300,1~
-1 | bad.csv:2: 10,10,=-500: is under the ground | viewshed wall.npy --observers bad.csv -o no.npy | x,y,height~10,10,=-500~
+1 | bad.csv:{4: 70,10,2: lies outside;2: 1e+300,1,2: is too far away;2: 10,10,=-500: is under the ground} | viewshed wall.npy --observers bad.csv -o no.npy | x,y,height~{10,10,~~70,10,;1e300,1,;10,10,=-500}~
 1 | bad.csv:2 (Far Mast): -9,1,2: lies outside | viewshed wall.npy --observers bad.csv -o no.npy | name,x,y~Far Mast,-9,1~
 1 | bad.csv: has no column 'y2'; its first line names x1, y1, x2 | los wall.npy --pairs bad.csv -o no.csv | x1,y1,x2~1,2,3~
 1 | bad.csv: holds no pairs | los wall.npy --pairs bad.csv -o no.csv --profile no2.csv | x1,y1,x2,y2~
@@ -119,36 +112,29 @@ LINES = r"""
 1 | bad.csv:2: 'low' stands where a height | los wall.npy --pairs bad.csv -o no.csv --profile no2.csv | x1,y1,height1,x2,y2~1,2,low,3,4~
 2 | --date is missing | sun wall.npy -o no.npy
 2 | --suns goes with none of --date | sun wall.npy --suns suns.csv {--date 2024;--irradiance --linke 3} -o no.npy
-1 | none.csv: cannot read | sun wall.npy --suns none.csv -o no.npy
 1 | suns.csv:3: '91' stands where an angle from -90 to 90 degrees should, in altitude | sun wall.npy --suns suns.csv {-o no.npy;--at 9,9}
-1 | head.csv: holds no places of the sun | sun wall.npy --suns head.csv -o no.npy
+1 | {head.csv: holds no places of the sun;none.csv: cannot read} | sun wall.npy --suns {head;none}.csv -o no.npy
 1 | no.png: is a raster's name, and the result is a table; give -o FILE.csv | sun wall.npy --at 5,5,2 --lon-lat 9,47 --date 2024-06-21 -o no.png
 2 | --max-distance goes with --at | sun wall.npy --suns suns.csv --max-distance 9 -o no.npy
 2 | --max-distance takes metres above 0 | sun wall.npy --suns suns.csv --at 9,9 --max-distance={-9;0}
-2 | --tilt takes degrees | sun wall.npy --at 9,9 --lon-lat 9,47 --date 2024 --tilt flat
-2 | --facing goes with --tilt | sun wall.npy --at 9,9 --lon-lat 9,47 --date 2024 --facing 9
+2 | {--tilt takes degrees;--facing goes with --tilt} | sun wall.npy --at 9,9 --lon-lat 9,47 --date 2024 {--tilt flat;--facing 9}
 2 | --date takes a day | sun wall.npy --lon-lat 9,47 --date {2024-13;2024-02-30;yesterday} -o no.npy
 1 | so the sun's place at a time is not known; --lon-lat tells it | sun wall.npy --date 2024-06-21 {-o no.npy;--at 5,5}
-2 | is before | sun wall.npy --date 2024-06-21 --to 2024-06-20 -o no.npy
-2 | divides a day | sun wall.npy --date 2024-06-21 --step 7min -o no.npy
-2 | not '15' | sun wall.npy --date 2024-06-21 --step 15 -o no.npy
+2 | {is before;divides a day;not '15'} | sun wall.npy --date 2024-06-21 {--to 2024-06-20;--step 7min;--step 15} -o no.npy
 2 | go with --irradiance | sun wall.npy --date 2024-06-21 --linke 3 -o no.npy
 2 | from 1 to 10, not 0 | sun wall.npy --date 2024-06-21 --irradiance --linke 0 -o no.npy
 2 | not '7' | sun wall.npy --date 2024-06-21 --lon-lat 7 -o no.npy
 2 | longer --step | sun wall.npy --date 2000-06-21 --to 2024-06-20 --step 30s -o no.npy
 2 | a scene or a raster is missing | render -o no.exr
 2 | is for rasters | render s.pbrt {--sun 0,30;--nodata 0;--sky;--water 3;--curvature 1} -o no.exr
-2 | not 180 | render wall.npy --fov 180 -o no.exr
-2 | not '5' | render wall.npy --from 5 -o no.exr
-2 | --haze takes a visibility in metres, above 0, not 0 | render wall.npy --haze 0 -o no.exr
+2 | {not 180;not '5';--haze takes a visibility in metres, above 0, not 0} | render wall.npy --{fov 180;from 5;haze 0} -o no.exr
 2 | --curvature takes a number from 0 on, not -1 | render wall.npy --curvature -1 --from 20,20 -o no.exr
 1 | the same place | render wall.npy --from 5,3,9 --to 5,3,9 -o no.exr
 2 | either --sun or --time | {shadow wall.npy -o no.npy;render wall.npy --time 2024-06-21T12:00:00Z --sun 0,9 -o no.exr}
 2 | give the eye's place by --from | render wall.npy --curvature 1 -o no.exr
 2 | --water is level and does not go with --curvature | render wall.npy --curvature 1 --from 20,20 --water 3 -o no.exr
 1 | lies outside | render wall.npy {;--curvature 1} --from -900,0 -o no.exr
-1 | missing.pbrt: cannot read: No such file | render missing.pbrt -o no.exr
-1 | s.pbrt:1: WorldBegin: no Camera | render s.pbrt -o no.exr
+1 | {missing.pbrt: cannot read: No such file;s.pbrt:1: WorldBegin: no Camera} | render {missing;s}.pbrt -o no.exr
 2 | -o IMAGE is missing | render scene.pbrt
 2 | unknown kind of picture | render scene.pbrt -o no.jpeg
 1 | cannot write: No such file | render scene.pbrt -o none/no.exr
@@ -162,11 +148,12 @@ LINES = r"""
 
 def cases():
     for line in LINES.strip().splitlines():
-        status, why, words, table = (part.strip().replace("~", "\n") for part in (line + "|").split("|")[:4])
-        text = re.split(r"\{(.*?)\}", words)
+        text = re.split(r"\{(.*?)\}", line + "|")
         choices = [part.split(";") for part in text[1::2]]
-        for k in range(len(choices[0]) if choices else 1):  # alternatives in two places belong together
-            yield int(status), why, table, "".join(part if at % 2 == 0 else choices[at // 2][k] for at, part in enumerate(text))
+        for k in range(len(choices[0]) if choices else 1):
+            line = "".join(part if at % 2 == 0 else choices[at // 2][k] for at, part in enumerate(text))
+            status, why, words, table = (part.strip().replace("~", "\n") for part in line.split("|")[:4])
+            yield int(status), why, table, words
 
 
 @pytest.fixture(autouse=True)
@@ -234,9 +221,11 @@ def test_values_of_options(command):
     done = run(command, "field.npy", *GOOD[command])
     assert options and (done.status == 0 or (command == "render" and not library("libpng"))), done.err
     for option in {one or other for one, other in options} - {"--co", "--table", "--profile"}:
+        at = (*GOOD[command], option).index(option)
+        good = "field.npy", *GOOD[command][:at], *GOOD[command][at + 2:]
         if option != "--memory":
-            done = run(command, "field.npy", *GOOD[command], option, 0)
+            done = run(command, *good, option, 0)
             assert option in ZEROS if done.status == 0 else done.err.startswith("cellwalk"), (option, done.status, done.err)
         if option not in ("--layer", "--places"):
-            done = run(command, "field.npy", *GOOD[command], option, "wrong")
+            done = run(command, *good, option, "wrong")
             assert done.status in (1, 2) and ("wrong" in done.err or option in done.err), (option, done.err)

@@ -78,8 +78,9 @@ def views_of(spots: np.ndarray, limits: dict[str, float], kind: str, bands: bool
         raise ValueError(f"{kind}: that of one observer, not of {len(spots)}; bands=True gives one for each")
     if bands and kind == "weights":
         raise ValueError("weights: adds observers up, and bands keeps them apart")
-    if kind.startswith("needed") and limits["limits"] & lib.CW_OBSERVER_VERTICALS:
-        raise ValueError("vertical: is about targets of a given height, and needed looks for that height")
+    wrong = "target_height" if limits["target"] else "vertical" if limits["limits"] & lib.CW_OBSERVER_VERTICALS else None
+    if kind.startswith("needed") and wrong:
+        raise ValueError(f"{wrong}: is about targets of a given height, and needed looks for that height")
     dtype: Any = {"seen": np.uint16, "weights": np.float64}.get(kind, np.float32)
     return Plan("viewshed", _viewshed, limits, *VIEWS[kind], dtype, ("observer", list(range(len(spots)))) if bands else None, (spots, kind))
 

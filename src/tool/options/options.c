@@ -131,6 +131,7 @@ static bool set_number(const options_usage *usage, const option_spec *o, const c
 static bool set_value(const options_usage *usage, const option_spec *o, char *value) {
     size_t number;
     option_again *all = o->to;
+    if (o->kind == OPTION_FLAG) return *(bool *)o->to = true;
     if (o->kind == OPTION_COUNT || o->kind == OPTION_REAL) return set_number(usage, o, value);
     if (o->kind == OPTION_NAME) {
         if (!set_name(usage, o, value, &number)) return false;
@@ -158,6 +159,12 @@ bool options_given(const char *name) {
     return false;
 }
 
+bool options_lack(const char *name, const char *const *options, const char *reason) {
+    for (; *options; options++)
+        if (options_given(*options)) return command_refuse(name, "--%s %s", *options, reason);
+    return true;
+}
+
 /* The option that argument names, and the value that is written into the same argument, if any. */
 static const option_spec *find(const options_usage *usage, char *argument, size_t *length, char **value) {
     const bool is_long = argument[1] == '-';
@@ -179,21 +186,18 @@ static int take_option(const options_usage *usage, int argc, char **argv, int *k
     char *value;
     const option_spec *o = find(usage, argv[*k], &length, &value);
     if (o == NULL) return unknown(usage, argv[*k], length);
-    if (!options_given(o->name) && given_count < NAMES_MAX) given_names[given_count++] = o->name;
-    if (o->kind == OPTION_FLAG) {
-        if (value) {
-            command_fail(usage->name, "--%s takes no value, but got '%s'", o->name, value);
-            return wrong(usage);
-        }
-        *(bool *)o->to = true;
-        return OPTIONS_GO;
-    }
-    if (value == NULL && *k + 1 < argc) value = argv[++*k];
-    if (value == NULL) {
+    const bool again = options_given(o->name), flag = o->kind == OPTION_FLAG;
+    if (!again && given_count < NAMES_MAX) given_names[given_count++] = o->name;
+    if (!flag && value == NULL && *k + 1 < argc) value = argv[++*k];
+    if (flag && value)
+        command_fail(usage->name, "--%s takes no value, but got '%s'", o->name, value);
+    else if (!flag && value == NULL)
         command_fail(usage->name, "--%s needs a value: --%s %s", o->name, o->name, o->value);
-        return wrong(usage);
-    }
-    return set_value(usage, o, value) ? OPTIONS_GO : wrong(usage);
+    else if (!flag && again && o->kind != OPTION_AGAIN)
+        command_fail(usage->name, "--%s is given twice", o->name);
+    else if (set_value(usage, o, value))
+        return OPTIONS_GO;
+    return wrong(usage);
 }
 
 /* No option begins with a digit or a point: "-3.5,7" is a place. */

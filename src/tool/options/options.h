@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Command lines: one table describes a subcommand to the parser and to the reader of --help, so that the two cannot
  * disagree. Options and operands may come in any order; `--name=value` and `--name value` mean the same, as do `-o
- * value` and `-ovalue`; `--` ends the options. */
+ * value` and `-ovalue`; `--` ends the options. An option with a value is given once, unless it is an OPTION_AGAIN. */
 #ifndef CELLWALK_OPTIONS_OPTIONS_H
 #define CELLWALK_OPTIONS_OPTIONS_H
 
@@ -94,6 +94,8 @@ int options_parse(const options_usage *usage, int argc, char **argv, const char 
 
 /* Whether the last command line had the option. */
 bool options_given(const char *name);
+/* That it had none of some, up to a NULL; false after a message with the reason: "--band is for rasters, not for scenes". */
+bool options_lack(const char *name, const char *const *options, const char *reason);
 
 /* Names for options: of kernels, instruction sets and leaf tests. */
 const char *option_kernel_names(size_t number);

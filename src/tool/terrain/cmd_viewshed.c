@@ -59,6 +59,8 @@ static bool check(void *context, size_t *bands) {
     if (c->needed && c->vertical)
         return command_refuse(name,
                               "--vertical is about targets of a given height, and --needed looks for that height");
+    if (c->needed && options_given("target-height"))
+        return command_refuse(name, "--target-height goes without --needed, which looks for that height");
     if (c->from.place_count > 1 && c->from.every == 0 && !c->bands && (c->needed || c->angle))
         return command_refuse(name, "%s is that of one observer, not of %zu; --bands writes a band for each",
                               c->needed ? "the height that is needed to be seen" : "the angle", c->from.place_count);
