@@ -123,16 +123,6 @@ static cw_status make_samples(maker *m, size_t ny, const cw_run *how) {
     return status;
 }
 
-/* Tied to user space by the full field's map. */
-static cw_status make_field(const maker *m, const cw_field *full, size_t ny, const cw_run *how, cw_field **coarser) {
-    cw_field_desc desc = {.samples = m->z, .nx = m->nx, .ny = ny, .storage = CW_COPY};
-    const cw_field_info info = cw_field_describe(full);
-    memcpy(desc.map, info.map, sizeof desc.map);
-    for (int k = 0; k < 3; k++)
-        for (int a = 0; a < 2; a++) desc.map[k][a] *= (double)m->factor;
-    return cw_field_create(&desc, how, coarser);
-}
-
 /* Shares of the watch: the samples are read once for each of the three. */
 static cw_status make(maker *m, const cw_field *full, size_t ny, const cw_run *how, cw_field **coarser,
                       cw_difference *difference) {
@@ -140,8 +130,13 @@ static cw_status make(maker *m, const cw_field *full, size_t ny, const cw_run *h
     const cw_run sampling = cw_run_part_of(&part);
     cw_status status = make_samples(m, ny, &sampling);
     run_part rest = {how, part.end, difference ? 0.5 : 1};
-    const cw_run field = cw_run_part_of(&rest);
-    if (status == CW_OK) status = make_field(m, full, ny, &field, coarser);
+    const cw_run building = cw_run_part_of(&rest);
+    cw_field_desc desc = {.samples = m->z, .nx = m->nx, .ny = ny, .storage = CW_COPY};
+    const cw_field_info info = cw_field_describe(full); /* whose map ties the field to user space */
+    memcpy(desc.map, info.map, sizeof desc.map);
+    for (int k = 0; k < 3; k++)
+        for (int a = 0; a < 2; a++) desc.map[k][a] *= (double)m->factor;
+    if (status == CW_OK) status = cw_field_create(&desc, &building, coarser);
     large_release(m->z);
     if (status != CW_OK || difference == NULL) return status;
     run_part last = {how, rest.end, 1};

@@ -119,12 +119,6 @@ static void look_at_triangle(const measure *m, size_t i, size_t j, size_t x, siz
     s->squares += squares(d[0], d[1], d[2]);
 }
 
-static void look_at_triangles(const measure *m, size_t row, size_t rows, extremes *e, row_sums *s) {
-    for (size_t j = row * m->factor; j < row * m->factor + rows; j++)
-        for (size_t i = 0; i + 1 < m->full->nx; i++)
-            for (int lower = 0; lower < 2; lower++) look_at_triangle(m, i, j, i / m->factor, row, lower, e, s);
-}
-
 static bool has_hole(const samples *f, size_t row, size_t rows) {
     if (f->holes == 0) return false;
     for (size_t j = row; j < row + rows; j++) {
@@ -141,7 +135,9 @@ static row_sums measure_row(const measure *m, size_t row, double *before, double
     row_sums s = {0};
     extremes e = {{0}, {0}};
     if (has_hole(m->full, first, rows + 1) || has_hole(m->coarser, row, 2)) {
-        look_at_triangles(m, row, rows, &e, &s);
+        for (size_t j = first; j < first + rows; j++)
+            for (size_t i = 0; i + 1 < m->full->nx; i++)
+                for (int lower = 0; lower < 2; lower++) look_at_triangle(m, i, j, i / m->factor, row, lower, &e, &s);
     } else {
         for (size_t j = 0; j <= rows; j++) {
             difference_row(m, row, first + j, here, &e);

@@ -9,55 +9,40 @@ static inline float higher(float z, float h) {
     return height > h ? height : h;
 }
 
-/* Samples of a node's closed cells: including those on its far borders. columns: the row of nodes, sample by sample. */
-static void bound_row(const terrain *t, size_t y, float *columns, float *high, size_t across) {
-    const size_t first = y << SIGHT_FIRST_SHIFT,
-                 last = first + (1 << SIGHT_FIRST_SHIFT) < t->ny - 1 ? first + (1 << SIGHT_FIRST_SHIFT) : t->ny - 1;
-    for (size_t i = 0; i < t->nx; i++) columns[i] = -INFINITY;
-    for (size_t j = first; j <= last; j++) {
-        const float *z = terrain_row(t, j);
-        for (size_t i = 0; i < t->nx; i++) columns[i] = higher(z[i], columns[i]);
-    }
-    for (size_t x = 0; x < across; x++) {
-        const size_t begin = x << SIGHT_FIRST_SHIFT,
-                     end = begin + (1 << SIGHT_FIRST_SHIFT) < t->nx - 1 ? begin + (1 << SIGHT_FIRST_SHIFT) : t->nx - 1;
-        high[x] = -INFINITY;
-        for (size_t i = begin; i <= end; i++) high[x] = columns[i] > high[x] ? columns[i] : high[x];
+/* The highest of 4 x 4 numbers each, and of `more` rows and columns after them: samples on a node's far borders belong to its closed
+ * cells. columns: room for a row. */
+static void fold(const float *z, size_t nx, size_t ny, size_t stride, size_t more, float *columns, float *high) {
+    const size_t across = (nx - more + 3) / 4, down = (ny - more + 3) / 4, side = 4 + more;
+    for (size_t y = 0; y < down; y++, high += across) {
+        for (size_t i = 0; i < nx; i++) columns[i] = -INFINITY;
+        for (size_t j = 4 * y; j < 4 * y + side && j < ny; j++)
+            for (size_t i = 0; i < nx; i++) columns[i] = higher(z[j * stride + i], columns[i]);
+        for (size_t x = 0; x < across; x++) {
+            high[x] = -INFINITY;
+            for (size_t i = 4 * x; i < 4 * x + side && i < nx; i++) high[x] = higher(columns[i], high[x]);
+        }
     }
 }
 
 static bool bound(const terrain *t, sight_bounds *b) {
     float *columns = malloc(t->nx * sizeof *columns);
-    if (columns == NULL) return false;
-    size_t across = (t->nx + 2) >> SIGHT_FIRST_SHIFT, down = (t->ny + 2) >> SIGHT_FIRST_SHIFT;
-    for (;; across = (across + 3) / 4, down = (down + 3) / 4) {
-        const int l = b->levels;
-        b->across[l] = across;
-        b->down[l] = down;
-        b->high[l] = malloc(across * down * sizeof(float));
-        if (b->high[l] == NULL) break;
-        b->levels++;
-        for (size_t y = 0; y < down; y++) {
-            float *row = b->high[l] + y * across;
-            if (l == 0) {
-                bound_row(t, y, columns, row, across);
-                continue;
-            }
-            const size_t fine = b->across[l - 1], last = 4 * y + 4 < b->down[l - 1] ? 4 * y + 4 : b->down[l - 1];
-            for (size_t x = 0; x < across; x++) row[x] = -INFINITY;
-            for (size_t v = 4 * y; v < last; v++)
-                for (size_t u = 0; u < fine; u++) {
-                    const float h = b->high[l - 1][v * fine + u];
-                    row[u / 4] = h > row[u / 4] ? h : row[u / 4];
-                }
-        }
-        if ((across == 1 && down == 1) || b->levels == SIGHT_LEVELS_MOST) {
-            free(columns);
-            return true;
-        }
+    const float *from = t->z;
+    size_t nx = t->nx, ny = t->ny, stride = t->stride, more = 1;
+    bool good = columns != NULL;
+    while (good && b->levels < SIGHT_LEVELS_MOST && (more == 1 || nx > 1 || ny > 1)) {
+        const int l = b->levels++;
+        b->across[l] = (nx - more + 3) / 4;
+        b->down[l] = (ny - more + 3) / 4;
+        b->high[l] = malloc(b->across[l] * b->down[l] * sizeof(float));
+        good = b->high[l] != NULL;
+        if (good) fold(from, nx, ny, stride, more, columns, b->high[l]);
+        from = b->high[l];
+        nx = stride = b->across[l];
+        ny = b->down[l];
+        more = 0;
     }
     free(columns);
-    return false;
+    return good;
 }
 
 cw_status cw_sight_bounds_create(const terrain *t, sight_bounds **bounds) {

@@ -70,21 +70,22 @@ static double days_since_1970(int year, int month, int day) {
     return (double)(era * 146097 + days - 719468);
 }
 
+/* Of a month up to 12. */
 static bool is_date(int year, int month, int day) {
     static const int days[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-    if (month < 1 || month > 12 || day < 1) return false;
+    if (month < 1 || day < 1) return false;
     const bool leap = (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
     return day <= days[month - 1] + (month == 2 && leap);
 }
 
-/* count digits, as a number; -1 if they are none. */
-static int digits(const char **at, int count) {
-    int value = 0;
+/* count digits, as a number that is not above most. */
+static bool digits(const char **at, int count, int most, int *value) {
+    *value = 0;
     for (int k = 0; k < count; k++, ++*at) {
-        if (**at < '0' || **at > '9') return -1;
-        value = 10 * value + (**at - '0');
+        if (**at < '0' || **at > '9') return false;
+        *value = 10 * *value + (**at - '0');
     }
-    return value;
+    return *value <= most;
 }
 
 static bool take(const char **at, char wanted) {
@@ -95,39 +96,32 @@ static bool take(const char **at, char wanted) {
 
 bool cw_sun_parse_time(const char *text, double *seconds) {
     const char *at = text;
-    const int year = digits(&at, 4);
+    int year, month, day, hour, minute, whole = 0, hours = 0, minutes = 0;
+    double second = 0, sign = 1;
+    if (!digits(&at, 4, 9999, &year)) return false;
     const bool dashes = take(&at, '-');
-    const int month = digits(&at, 2);
-    if (dashes != take(&at, '-')) return false;
-    const int day = digits(&at, 2);
-    if (year < 0 || !is_date(year, month, day)) return false;
-    if (!take(&at, 'T') && !take(&at, 't') && !take(&at, ' ')) return false;
-    const int hour = digits(&at, 2);
+    if (!digits(&at, 2, 12, &month) || dashes != take(&at, '-') || !digits(&at, 2, 31, &day)) return false;
+    if (!is_date(year, month, day) || !(take(&at, 'T') || take(&at, 't') || take(&at, ' '))) return false;
+    if (!digits(&at, 2, 24, &hour)) return false;
     const bool colons = take(&at, ':');
-    const int minute = digits(&at, 2);
-    double second = 0;
+    if (!digits(&at, 2, 59, &minute)) return false;
     if (colons ? take(&at, ':') : *at >= '0' && *at <= '9') {
-        const int whole = digits(&at, 2);
-        if (whole < 0 || whole > 60) return false;
+        if (!digits(&at, 2, 60, &whole)) return false;
         second = whole;
         if (take(&at, '.'))
             for (double part = 0.1; *at >= '0' && *at <= '9'; at++, part /= 10) second += part * (*at - '0');
     }
-    if (hour < 0 || hour > 24 || minute < 0 || minute > 59) return false;
-    double offset = 0;
     if (*at == '+' || *at == '-') {
-        const double sign = *at++ == '+' ? 1 : -1;
-        const int hours = digits(&at, 2);
+        sign = *at++ == '+' ? 1 : -1;
+        if (!digits(&at, 2, 14, &hours)) return false;
         take(&at, ':');
-        const int minutes = *at ? digits(&at, 2) : 0;
-        if (hours < 0 || hours > 14 || minutes < 0 || minutes > 59) return false;
-        offset = sign * (hours * 3600 + minutes * 60);
+        if (*at && !digits(&at, 2, 59, &minutes)) return false;
     } else if (!take(&at, 'Z') && !take(&at, 'z')) {
         return false;
     }
-    if (*at != '\0') return false;
+    const double offset = sign * (hours * 3600 + minutes * 60);
     *seconds = days_since_1970(year, month, day) * 86400 + hour * 3600 + minute * 60 + second - offset;
-    return true;
+    return *at == '\0';
 }
 
 /* ---- light ---- */

@@ -132,17 +132,18 @@ cw_status cw_visible_add(cw_visible *v, const cw_run *run, const cw_visible_desc
                          cw_visible_sums to) {
     const double longest = fmax(fabs(desc->dir[0]), fabs(desc->dir[1]));
     walking w = {.view = v, .desc = desc, .row = row, .rows = rows, .to = to};
-    cw_run how = *run;
+    cw_run quiet = *run; /* to make the land ready */
+    quiet.watch = NULL;
     const terrain_code *code;
-    cw_status status = cw_terrain_settle(&how, &code);
+    cw_status status = cw_terrain_settle(&quiet, &code);
     if (status != CW_OK) return status;
     v->code = code->visible;
-    status = cw_visible_turn(v, desc->dir, run);
+    status = cw_visible_turn(v, desc->dir, &quiet);
     if (status != CW_OK) return status;
     const double sign = v->rotated ? -1 : 1, aside = sign * desc->dir[v->transposed ? 1 : 0] / longest;
     w.aside = fabs(aside) <= PLACE_ROUNDING ? 0 : aside;
     status = cw_visible_make_ways(v, w.aside, desc->reach * longest, desc->drop / (longest * longest), &w.job);
-    if (status == CW_OK) status = cw_visible_bound(v, run, w.aside, desc->slack);
+    if (status == CW_OK) status = cw_visible_bound(v, &quiet, w.aside, desc->slack);
     if (status != CW_OK) return status;
     w.job.land = v->array[LAND].at + AROUND + VISIBLE_MARGIN;
     w.job.stride = v->stride;

@@ -70,9 +70,7 @@ cw_status cw_visible_turn(cw_visible *v, const double dir[2], const cw_run *how)
     float *land = make_rows(v, LAND, v->down, NAN);
     if (land == NULL) return CW_ERROR_MEMORY;
     turning t = {v, land + AROUND + VISIBLE_MARGIN};
-    cw_run quiet = *how;
-    quiet.watch = NULL;
-    const cw_status status = cw_run_work(&quiet, v->down, 16, 64, turn_rows, &t);
+    const cw_status status = cw_run_work(how, v->down, 16, 64, turn_rows, &t);
     v->turned = status == CW_OK;
     return status;
 }
@@ -140,15 +138,13 @@ cw_status cw_visible_bound(cw_visible *v, const cw_run *how, double aside, doubl
     v->aside[1] = aside + slack + 2 * hair;
     v->bounded = false;
     atomic_store_explicit(&v->has_level, false, memory_order_relaxed);
-    cw_run quiet = *how;
-    quiet.watch = NULL;
     size_t blocks = v->down;
     for (int l = 0; l < VISIBLE_LEVELS; l++) {
         bounding b = {v, v->code, l, blocks};
         blocks = (blocks + 7) / 8;
         if (!make_rows(v, BOUND + l, blocks, -INFINITY) || (l == 0 && !make_rows(v, LEVEL, blocks, NAN)))
             return CW_ERROR_MEMORY;
-        const cw_status status = cw_run_work(&quiet, blocks, 4, 16, bound_blocks, &b);
+        const cw_status status = cw_run_work(how, blocks, 4, 16, bound_blocks, &b);
         if (status != CW_OK) return status;
     }
     v->bounded = true;
