@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* CPU detection. CPUID says what the CPU has; XGETBV says whether the operating system saves the wider registers, which
- * CPUID alone does not (a kernel booted with noxsave, or a hypervisor that hides AVX-512 state). */
+/* CPU detection, by the compiler's library, which also looks whether the operating system saves the wider registers: a kernel booted
+ * with noxsave does not, nor a hypervisor that hides AVX-512 state. */
 
 #include "kernels.h"
 
@@ -9,29 +9,15 @@
 #include <string.h>
 
 #if defined(__x86_64__) || defined(__i386__)
-#include <cpuid.h>
-
-static uint64_t enabled_state(void) {
-    uint32_t low, high;
-    __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
-    return (uint64_t)high << 32 | low;
-}
-
+#define HAS(set) __builtin_cpu_supports(set)
 static cw_isa detect(void) {
-    enum { LEAF1_SSE42 = 1 << 20, LEAF1_OSXSAVE = 1 << 27, LEAF1_AVX = 1 << 28 };
-    enum { LEAF7_AVX2 = 1 << 5, LEAF7_BMI1 = 1 << 3, LEAF7_BMI2 = 1 << 8 };
-    const uint32_t leaf7_avx512 = 1u << 16 | 1u << 17 | 1u << 30 | 1u << 31; /* F, DQ, BW, VL */
-    const uint64_t ymm_state = 0x6, zmm_state = 0xe6;
-
-    uint32_t a, b, c, d;
-    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & LEAF1_SSE42)) return CW_ISA_SCALAR;
-    const uint64_t state = c & LEAF1_OSXSAVE ? enabled_state() : 0;
-    if (!(c & LEAF1_AVX) || (state & ymm_state) != ymm_state) return CW_ISA_SSE42;
-    if (!__get_cpuid_count(7, 0, &a, &b, &c, &d)) return CW_ISA_SSE42;
-    if (!(b & LEAF7_AVX2) || !(b & LEAF7_BMI1) || !(b & LEAF7_BMI2)) return CW_ISA_SSE42;
-    if ((b & leaf7_avx512) != leaf7_avx512 || (state & zmm_state) != zmm_state) return CW_ISA_AVX2;
+    __builtin_cpu_init();
+    if (!HAS("sse4.2")) return CW_ISA_SCALAR;
+    if (!HAS("avx2") || !HAS("bmi") || !HAS("bmi2")) return CW_ISA_SSE42;
+    if (!HAS("avx512f") || !HAS("avx512vl") || !HAS("avx512dq") || !HAS("avx512bw")) return CW_ISA_AVX2;
     return CW_ISA_AVX512;
 }
+#undef HAS
 #elif defined(__aarch64__)
 static cw_isa detect(void) { return CW_ISA_NEON; } /* part of the architecture */
 #else
