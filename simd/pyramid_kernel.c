@@ -14,6 +14,7 @@
 #include "lane_walk.h"
 #include "shared_walk.h"
 
+#include <stddef.h>
 #include <string.h>
 
 /* Steps of the flat walk that a packet takes before its rays are queued. By then most rays that start at the surface
@@ -112,16 +113,11 @@ static __attribute__((noinline)) ray_set pyramid_tile(const cw_field *f, const c
     return 0;
 }
 
+/* All members up to the clock have SLOTS words each. */
 static inline void move_lane(lane_set *l, size_t to, size_t from) {
-    for (int c = 0; c < RAY_FLOATS; c++) l->rays.f[c][to] = l->rays.f[c][from];
-    for (int c = 0; c < RAY_INTS; c++) l->rays.i[c][to] = l->rays.i[c][from];
-    l->t[to] = l->t[from];
-    l->leave[to] = l->leave[from];
-    l->x[to] = l->x[from];
-    l->y[to] = l->y[from];
-    l->level[to] = l->level[from];
-    l->ray[to] = l->ray[from];
-    l->born[to] = l->born[from];
+    enum { WORD = sizeof l->t[0], ROWS = offsetof(lane_set, clock) / sizeof l->t };
+    char *row = (char *)l;
+    for (int k = 0; k < ROWS; k++, row += sizeof l->t) memcpy(row + to * WORD, row + from * WORD, WORD);
 }
 
 /* Moves the rays of the second register into the first. They must fit. */

@@ -5,28 +5,27 @@
 
 #define W        16 /* lanes of a register */
 #define X(name)  _mm512_##name
+#define I32      __m512i
 #define HALF_REG __m256
 
 #include "vec_x86.h"
 
 #define COMPARE(a, sign, b, name) _mm512_cmp_ps_mask(a, b, _CMP_##name##_OQ)
-static inline mask_reg ri_eq(int_reg a, int_reg b) {
-    return (mask_reg){_mm512_cmpeq_epi32_mask((__m512i)a.v, (__m512i)b.v)};
-}
+static inline mask_reg ri_eq(int_reg a, int_reg b) { return (mask_reg){_mm512_cmpeq_epi32_mask((I32)a.v, (I32)b.v)}; }
 static inline float_reg rf_select(mask_reg m, float_reg a, float_reg b) {
     return (float_reg){_mm512_mask_blend_ps(m.v, b.v, a.v)};
 }
 static inline int_reg ri_select(mask_reg m, int_reg a, int_reg b) {
-    return (int_reg){(int_lanes)_mm512_mask_blend_epi32(m.v, (__m512i)b.v, (__m512i)a.v)};
+    return (int_reg){(int_lanes)_mm512_mask_blend_epi32(m.v, (I32)b.v, (I32)a.v)};
 }
 static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b) {
     return (double_reg){_mm512_mask_blend_pd((__mmask8)(m.v >> 8 * k), b.v, a.v)};
 }
 static inline int_reg ri_where(mask_reg m, int_reg a) {
-    return (int_reg){(int_lanes)_mm512_maskz_mov_epi32(m.v, (__m512i)a.v)};
+    return (int_reg){(int_lanes)_mm512_maskz_mov_epi32(m.v, (I32)a.v)};
 }
 static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
-    return (int_reg){(int_lanes)_mm512_permutexvar_epi32((__m512i)k.v, _mm512_loadu_si512(table))};
+    return (int_reg){(int_lanes)_mm512_permutexvar_epi32((I32)k.v, _mm512_loadu_si512(table))};
 }
 
 static inline mask_reg rm_set(bool a) { return (mask_reg){(lane_mask)(a ? 0xffff : 0)}; }
@@ -35,7 +34,7 @@ static inline bool rm_any(mask_reg a) { return a.v != 0; }
 static inline unsigned rm_bits(mask_reg a) { return a.v; }
 
 static inline float_reg rf_gather(const float *base, int_reg index, mask_reg m) {
-    return (float_reg){_mm512_mask_i32gather_ps(_mm512_setzero_ps(), m.v, (__m512i)index.v, base, sizeof(float))};
+    return (float_reg){_mm512_mask_i32gather_ps(_mm512_setzero_ps(), m.v, (I32)index.v, base, sizeof(float))};
 }
 
 static inline __m256 half_of(float_reg a, int k) {

@@ -51,7 +51,7 @@ static inline int_reg ri_set(int32_t a) { return (int_reg){(uint32_t)a + (int_la
 static inline double_reg rd_set(double a) { return (double_reg){a - (double_lanes){0}}; }
 
 /* by in [0, 31]; to the right, a in [0, 2^24]. */
-#ifndef SHIFTS_AS_PRODUCTS
+#ifndef OTHER_SHIFTS
 static inline int_reg ri_shift_right(int_reg a, int_reg by) { return (int_reg){a.v >> by.v}; }
 static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){a.v << by.v}; }
 #endif

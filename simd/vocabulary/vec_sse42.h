@@ -7,7 +7,6 @@
 #define X(name)  _mm_##name
 #define I32      __m128i
 #define HALF_REG __m128 /* its lower lanes */
-#define SHIFTS_AS_PRODUCTS
 
 #include "vec_x86.h"
 

@@ -4,6 +4,7 @@
 #ifndef CELLWALK_SIMD_VEC_X86_H
 #define CELLWALK_SIMD_VEC_X86_H
 
+#define OTHER_SHIFTS
 #include "vec_lanes.h"
 
 #include <immintrin.h>
@@ -13,6 +14,15 @@ static inline float_reg rf_max(float_reg a, float_reg b) { return (float_reg){X(
 static inline float_reg rf_floor(float_reg a) { return (float_reg){X(floor_ps)(a.v)}; }
 static inline double_reg rd_min(double_reg a, double_reg b) { return (double_reg){X(min_pd)(a.v, b.v)}; }
 static inline double_reg rd_max(double_reg a, double_reg b) { return (double_reg){X(max_pd)(a.v, b.v)}; }
+
+#if W > 4 /* not as operators, with which the lane walk takes longer on AVX-512 */
+static inline int_reg ri_shift_right(int_reg a, int_reg by) {
+    return (int_reg){(int_lanes)X(srlv_epi32)((I32)a.v, (I32)by.v)};
+}
+static inline int_reg ri_shift_left(int_reg a, int_reg by) {
+    return (int_reg){(int_lanes)X(sllv_epi32)((I32)a.v, (I32)by.v)};
+}
+#endif
 
 /* Half k of a register, in the lanes of one half as wide; and the register of two halves. */
 static inline HALF_REG half_of(float_reg a, int k);
