@@ -138,8 +138,9 @@ bool ground_check(const ground *g, cw_rectangle piece, double more, io_error *er
         return io_fail(error, "%s: %zu x %zu samples matter, which are more than a field can hold", g->path, piece.nx,
                        piece.ny);
     const double bytes = bytes_of(piece, more), need = fmin(bytes + others, 4 * bytes);
-    return io_fail(error, "%s: %zu x %zu samples matter at once, which need --memory %.0fM; there is %.9gM", g->path,
-                   piece.nx, piece.ny, ceil(need / 1e6), g->bytes / 1e6);
+    const bool few = g->bytes < 1000;
+    return io_fail(error, "%s: %zu x %zu samples matter at once, which need --memory %.0fM; there is %.9g%s", g->path,
+                   piece.nx, piece.ny, ceil(need / 1e6), few ? g->bytes : g->bytes / 1e6, few ? "" : "M");
 }
 
 /* ---- pieces ------------------------------------------------------------------------------------------------------ */

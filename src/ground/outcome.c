@@ -82,7 +82,10 @@ double outcome_quantile(const outcome *o, double share) {
 
 void outcome_text(const outcome *o, const io_raster_product *p, const char *counted, char *text, size_t size) {
     const size_t data = o->samples - o->holes;
-    const char *unit = !p->unit ? "" : strcmp(p->unit, "degree") == 0 ? "degrees" : p->unit;
+    const char *unit = !p->unit                         ? ""
+                       : strcmp(p->unit, "degree") == 0 ? "degrees"
+                       : strcmp(p->unit, "metre") == 0  ? "m"
+                                                        : p->unit;
     if (data == 0)
         snprintf(text, size, "no data in %zu samples", o->samples);
     else if (p->cell == IO_CELL_UINT8 || p->cell == IO_CELL_UINT16)

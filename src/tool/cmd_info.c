@@ -237,9 +237,8 @@ static int run(int argc, char **argv) {
     const char *path;
     const int status = field_options_parse(&shared, &usage, FIELD_KERNELS, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
-    return path || options_lack("info", of_field, "goes with a FIELD, which is missing")
-               ? show(path, &shared, json, samples)
-               : EXIT_USAGE;
+    if (path == NULL && !options_lack("info", of_field, "goes with a FIELD, which is missing")) return EXIT_USAGE;
+    return show(path, &shared, json, samples);
 }
 
 const command command_info = {"info", "print a field's contents and cost, or this machine's kernels", run};

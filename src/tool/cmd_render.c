@@ -11,7 +11,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static const char name[] = "render";
 
@@ -175,15 +174,12 @@ static int run(int argc, char **argv) {
     const char *path = NULL;
     const int status = field_options_parse(&c.fields, &usage, FIELD_KERNELS, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
-    const char *ending = strrchr(path, '.');
-    c.terrain = ending == NULL || strcasecmp(ending, ".pbrt") != 0;
+    c.terrain = !io_name_ends(path, ".pbrt");
     if ((!c.terrain && !options_lack(name, of_terrain, "is for rasters, not for scenes")) || !read_area(&c))
         return EXIT_USAGE;
     io_error error;
-    if (c.output == NULL || !io_image_can_write(c.output, &error)) {
-        command_fail(name, "%s", c.output ? error.text : "no picture to write to: -o IMAGE is missing");
-        return EXIT_USAGE;
-    }
+    if (c.output == NULL) return command_fail(name, "no picture to write to: -o IMAGE is missing"), EXIT_USAGE;
+    if (!io_image_can_write(c.output, &error)) return command_fail(name, "%s", error.text);
     if (!c.terrain) return render_scene(&c, path);
     return view_check(&c.view) ? render_terrain(&c, path) : EXIT_USAGE;
 }

@@ -4,6 +4,7 @@
 #include "command.h"
 #include "gdal_host.h"
 #include "number.h"
+#include "output.h"
 
 #include <math.h>
 #include <string.h>
@@ -69,7 +70,7 @@ static bool resolve_query(field_options *f) {
         return command_refuse(f->name,
                               "--kernel %s needs %s; this machine, or the limit set by --isa or CELLWALK_ISA, has %s",
                               info.name, cw_isa_name(info.isa), cw_isa_name(cw_isa_best()));
-    return cw_run_check(NULL, query) == CW_OK || command_refuse(f->name, "%s", cw_last_error());
+    return cw_run_check(NULL, query) == CW_OK || command_refuse(f->name, "--%s", cw_last_error()); /* "leaf: …" */
 }
 
 static bool resolve_reading(field_options *f) {
@@ -105,5 +106,7 @@ int field_options_parse(field_options *f, const options_usage *usage, field_quer
     all.option_count += add_rows(f, queries, rows + usage->option_count);
     f->name = usage->name;
     const int status = options_parse(&all, argc, argv, operands);
+    if (status == OPTIONS_GO && operands[0] && io_name_ends(operands[0], ".pbrt") && !strstr(usage->synopsis, ".pbrt"))
+        return command_fail(f->name, "%s: is a scene, which cellwalk render draws, and no raster", operands[0]);
     return status != OPTIONS_GO || (resolve_query(f) && resolve_reading(f)) ? status : EXIT_USAGE;
 }

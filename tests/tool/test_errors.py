@@ -27,7 +27,7 @@ LINES = r"""
 2 | --threads takes | trace wall.npy rays.npy --json --threads {-1;1.5;4x;99999999999999999999}
 2 | standard output cannot take both | trace wall.npy rays.npy -o - --json
 2 | --occluded finds no hit | trace wall.npy rays.npy --occluded --points -o no.npy
-2 | brute does not have the leaf test watertight | trace wall.npy rays.npy --json --kernel brute --leaf watertight
+2 | --leaf: brute does not have the leaf test watertight | trace wall.npy rays.npy --json --kernel brute --leaf watertight
 2 | CELLWALK_ISA '{sse;}' is unknown; there are scalar, | ISA={sse;} trace wall.npy rays.npy -o no.npy
 2 | packet4 needs sse4.2; this machine, or the limit set by --isa or CELLWALK_ISA, has scalar | {ISA=scalar ;}trace wall.npy rays.npy --json --kernel packet4 {; --isa scalar}
 2 | --isa sse4.2: this machine, or CELLWALK_ISA, allows no more than scalar | ISA=scalar trace wall.npy rays.npy --json --isa sse4.2
@@ -41,13 +41,13 @@ LINES = r"""
 1 | {seven.npy: shape (2, 7);flat.npy: shape (16,)}, but rays are (N, 8) | trace wall.npy {seven;flat}.npy -o no.npy
 1 | {.: cannot read: Is a directory;absent.npy: cannot read: No such file} | trace wall.npy {.;absent.npy} -o no.npy
 1 | {row.npy: 16 x 1 samples:;cube.npy: shape (2, 2, 4), but a raster is (rows, columns)} | trace {row;cube}.npy rays.npy -o no.npy
-1 | cellwalk trace: s.pbrt: | trace s.pbrt rays.npy -o no.npy
+1 | : s.pbrt: is a scene, which cellwalk render draws | {trace s.pbrt rays.npy;shadow s.pbrt --sun 0,9} -o no.npy
 1 | cellwalk trace: field: | trace field rays.npy -o no.npy
 2 | --distance goes with none of | horizon wall.npy --distance --svf -o no.npy
 2 | do not go together | {horizon wall.npy --at 1,2 --places pairs.csv;viewshed wall.npy --observers t.csv --from 1,2;los wall.npy --pairs pairs.csv 1,2 3,4}
 2 | go with none of --svf | horizon wall.npy --at 1,2 {--svf;--window 0,0,9,9}
 1 | no room for 32 bands | horizon wall.npy -o no.png
-1 | 70,5,=99: is not on the terrain, where the horizon is found | horizon wall.npy --at 70,5,=99 -o no.csv
+1 | 70,5,=99: is not on the terrain, where the horizon is found | horizon wall.npy --at {70,5,=99 -o no.csv;5,5 --at 70,5,=99}
 1 | no.tif: is a raster's name | {horizon wall.npy --at 5,5 -o;los wall.npy --pairs pairs.csv -o;los wall.npy 1,2 3,4 --profile;viewshed wall.npy --from 1,2 -o no.npy --table} no.tif
 2 | takes metres above 0, not 0 | {horizon wall.npy --max-distance;visibility wall.npy --max-distance;viewshed wall.npy --from 1,2 --max-distance;viewshed wall.npy --from 1,2 --every} 0 -o no.npy
 2 | --{cog;co} goes with -o FILE.tif | shadow wall.npy --sun 0,9 {--cog;--co A=B} -o no.npy
@@ -63,7 +63,7 @@ LINES = r"""
 2 | --window takes XMIN,YMIN,XMAX,YMAX | shadow wall.npy --sun 0,30 --window 1,2,3 -o no.npy
 1 | no sample is in it; they go from 0,0 to 590,490 | shadow wall.npy --cellsize 10 --sun 0,30 --window {5000,0,6000,10;20,0,10,10} -o no.npy
 2 | --memory takes a number of bytes | shadow wall.npy --sun 0,30 --memory 2X -o no.npy
-1 | 60 x 50 samples matter at once, which need --memory 1M; there is 0.03M | horizon wall.npy --memory 0.03M -o no.npy
+1 | 60 x 50 samples matter at once, which need --memory 1M; there is {0.03M;9} | horizon wall.npy --memory {0.03M;9} -o no.npy
 2 | --from X,Y is missing | viewshed wall.npy -o no.npy
 1 | is too far away | {viewshed wall.npy -o no.npy --from 3,1e308,=9;los wall.npy 1e308,1e308,=9 10,10,2;los wall.npy 10,10,2 1e8,3,=9}
 2 | unknown option --height; the height of a place is its third number: X,Y,H | viewshed wall.npy --from 1,2 --height 3 -o no.npy
@@ -136,8 +136,8 @@ LINES = r"""
 1 | lies outside | render wall.npy {;--curvature 1} --from -900,0 -o no.exr
 1 | {missing.pbrt: cannot read: No such file;s.pbrt:1: WorldBegin: no Camera} | render {missing;s}.pbrt -o no.exr
 2 | -o IMAGE is missing | render scene.pbrt
-2 | unknown kind of picture | render scene.pbrt -o no.jpeg
-1 | cannot write: No such file | render scene.pbrt -o none/no.exr
+1 | {unknown kind of picture;cannot write: No such file} | render scene.pbrt -o {no.jpeg;none/no.exr}
+1 | holes.npy: all samples are holes | render holes.npy -o no.exr
 2 | 'nothing' is unknown | render scene.pbrt --kernel nothing -o no.exr
 2 | samples | render scene.pbrt --samples 0 -o no.exr
 2 | not a width and a height | render scene.pbrt --size {80;80x;x60;80x0;0x60;80x60x;-80x60;' 80x60';80x65537} -o no.exr
@@ -167,6 +167,7 @@ def inputs(folder):
                        "pairs.csv": "x1,y1,x2,y2\n1,2,3,4\n", "t.csv": "x,y\n100,100\n200,100\n"}.items():
         write(name, text)
     os.link("t.csv", "t.npy")
+    np.save("holes.npy", np.full((3, 3), np.nan, "f4"))
 
 
 @pytest.mark.parametrize("status, why, table, words", cases())

@@ -79,7 +79,7 @@ def test_any_number():
         x, y = k % 7, k // 7 % 12
         write("many.csv", "x,y\n" + "".join(f"{10 * a},{10 * b}\n" for a, b in zip(x, y)))
         # In a sector of no width, so that most parts of a sweep are left out: the column to the north.
-        got = view("level.npy", "--observers", "many.csv", "--azimuth", "0,0")
+        got = view("level.npy", "--observers", "many.csv", "--azimuth", "0,0", says="0,0 is a single direction")
         wanted = np.zeros((12, 12))
         np.add.at(wanted, (11 - y, x), 1)
         wanted = np.cumsum(wanted[::-1], 0)[::-1]

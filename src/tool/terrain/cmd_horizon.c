@@ -27,7 +27,7 @@ typedef struct horizon_command {
     /* Of places. */
     io_points all;
     sight_bounds *bounds;
-    bool in_circles; /* the circle around each place is read, not all of the raster */
+    bool in_circles; /* the circle around each place is read in turn */
     io_output to;
 } horizon_command;
 
@@ -66,20 +66,26 @@ static bool read_around(horizon_command *c, const io_place *p, double metres, io
            (cw_sight_bounds_create(&g->terrain, &c->bounds) == CW_OK || io_fail(error, "out of memory"));
 }
 
+/* The eye at a place, around which so many metres are read unless all is in memory. */
+static bool find_eye(horizon_command *c, size_t number, double metres, double eye[3], io_error *error) {
+    const io_place *p = &c->all.list[number];
+    char text[IO_PLACE_ROOM];
+    double level;
+    if (c->in_circles && !read_around(c, p, metres, error)) return false;
+    if (!ground_find_place(&c->product.ground.terrain, p, eye, &level, error)) return false;
+    return !isnan(level) ||
+           io_fail(error, "%s: is not on the terrain, where the horizon is found", io_place_text(p, text));
+}
+
 static bool write_place(horizon_command *c, size_t number, io_error *error) {
     const ground *g = &c->product.ground;
     const cw_horizon *d = &c->desc;
     const terrain *t = &g->terrain;
-    char text[IO_PLACE_ROOM];
-    const io_place *p = &c->all.list[number];
-    double eye[3], level, xy[2];
+    double eye[3], xy[2];
     sight s;
     sun_place north;
     io_error unknown;
-    if (c->in_circles && !read_around(c, p, d->max_distance, error)) return false;
-    if (!ground_find_place(t, p, eye, &level, error)) return false;
-    if (isnan(level))
-        return io_fail(error, "%s: is not on the terrain, where the horizon is found", io_place_text(p, text));
+    if (!find_eye(c, number, d->max_distance, eye, error)) return false;
     cw_sight_init(&s, t, c->bounds, eye, d->curvature);
     terrain_to_map(t, eye[0], eye[1], xy);
     if (!sun_place_of(t, &g->about.georef, xy, g->path, NULL, &north, &unknown)) north.turned = NAN;
@@ -91,9 +97,13 @@ static bool write_place(horizon_command *c, size_t number, io_error *error) {
     return true;
 }
 
+/* A place that is none is found before anything is printed. */
 static bool write_all(horizon_command *c, io_error *error) {
-    bool good = io_output_print(&c->to, error, "place,azimuth,true_azimuth,angle,distance,x,y%s\n",
-                                c->all.has_names ? ",name" : "");
+    bool good = true;
+    double eye[3];
+    for (size_t k = 0; k < c->all.count && good; k++) good = find_eye(c, k, DBL_MIN, eye, error);
+    good = good && io_output_print(&c->to, error, "place,azimuth,true_azimuth,angle,distance,x,y%s\n",
+                                   c->all.has_names ? ",name" : "");
     for (size_t k = 0; k < c->all.count && good; k++) {
         product_tell(&c->product, (double)k / (double)c->all.count);
         good = write_place(c, k, error);
@@ -106,9 +116,11 @@ static bool write_places(horizon_command *c, io_error *error) {
     const observers_from from = {.places = c->places, .place_count = c->at.count, .file = c->file};
     if (c->file && !io_inputs_note_path(c->file)) return io_fail(error, "out of memory");
     if (!observers_find(&c->all, &from, &c->product.ground, error)) return false;
-    c->in_circles = c->desc.max_distance > 0 && (c->all.count == 1 || !ground_is_small(&c->product.ground));
+    const double distance = c->desc.max_distance;
+    const bool one = c->all.count == 1; /* then its circle is all */
+    c->in_circles = distance > 0 && !one && !ground_is_small(&c->product.ground);
     const char *output = c->product.output;
-    const bool good = (c->in_circles || read_around(c, &(io_place){0}, 0, error)) &&
+    const bool good = (c->in_circles || read_around(c, c->all.list, one ? distance : 0, error)) &&
                       io_output_open(&c->to, output ? output : "-", error) && write_all(c, error) &&
                       io_output_commit(&c->to, error);
     io_output_discard(&c->to);

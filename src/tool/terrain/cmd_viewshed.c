@@ -39,6 +39,9 @@ static bool check_limits(viewshed_command *c) {
     if (c->azimuth && !(ground_numbers(c->azimuth, a, 2, 2) > 0 && fabs(a[0]) <= 360 && fabs(a[1]) <= 360))
         return command_refuse(name, "--azimuth takes two angles from -360 to 360 degrees, as 350,10, not '%s'",
                               c->azimuth);
+    if (c->azimuth && a[0] == a[1])
+        command_warn(name, "--azimuth %s is a single direction, in which few samples lie; 0,360 is all round",
+                     c->azimuth);
     if (c->vertical && !(ground_numbers(c->vertical, v, 2, 2) > 0 && v[0] >= -90 && v[0] <= v[1] && v[1] <= 90))
         return command_refuse(name, "--vertical takes two angles from -90 to 90 degrees, the lower one first, not '%s'",
                               c->vertical);
@@ -85,8 +88,9 @@ static int run(int argc, char **argv) {
                        "may be given up to 256 times"),
         option_text(
             "observers", "FILE", &c.from.file,
-            "any number of observers: a table (.csv) whose first line names the columns x, y and, if there, height and "
-            "weight; or points of any file that GDAL reads, with such attributes, brought to the terrain's map"),
+            "any number of observers: a table (.csv) whose first line names the columns x, y and, if there, height, "
+            "weight and name; or points of any file that GDAL reads, with such attributes, brought to the terrain's "
+            "map"),
         option_text("layer", "NAME", &c.from.layer, "the layer of --observers, for files with several"),
         option_metres("every", &c.from.every,
                       "the places are the corners of a line, and so are those of each line in a file: an observer "

@@ -37,24 +37,21 @@ static void add_rows(product *p, option_spec *to) {
     memcpy(to, rows, sizeof rows);
 }
 
-static option_spec curvature_row(double *curvature, const char *help) {
-    return option_range("curvature", "K", curvature, 0, DBL_MAX, "a number from 0 on", help);
+static option_spec curvature_row(double *curvature, double most, const char *takes, const char *help) {
+    return option_range("curvature", "K", curvature, 0, most, takes, help);
 }
 
 option_spec product_flat_earth_row(double *curvature) {
     return curvature_row(
-        curvature,
+        curvature, DBL_MAX, "a number from 0 on",
         "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 with usual refraction");
 }
 
 option_spec product_round_earth_row(double *curvature) {
     *curvature = NAN;
-    option_spec row =
-        curvature_row(curvature, "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 "
-                                 "with usual refraction (default: 6/7, or 0 for a file without map and --cellsize)");
-    row.high = 1e9; /* as cw_observer has it */
-    row.takes = "a number from 0 to 1e9";
-    return row;
+    return curvature_row(curvature, 1e9, "a number from 0 to 1e9",
+                         "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 "
+                         "with usual refraction (default: 6/7, or 0 for a file without map and --cellsize)");
 }
 
 bool product_parse_sun(const char *name, const char *text, double sun[2]) {

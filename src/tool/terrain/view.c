@@ -86,7 +86,7 @@ static void stand_back(const view *v, double map[3][4], double aspect, const dou
 
 static bool aim(const view *v, landscape_desc *d, io_error *error) {
     const cw_field_info info = cw_field_describe(v->ground.terrain.field);
-    if (info.low > info.high) return io_fail(error, "all samples are holes");
+    if (info.low > info.high) return io_fail(error, "%s: all samples are holes", v->ground.path);
     if (v->to) {
         if (!put_place(v, d->to_world, &v->target, d->target, error)) return false;
     } else {

@@ -328,8 +328,7 @@ bool viewshed_begin(product *p, io_error *error) {
 
 bool viewshed_finish(product *p, io_error *error) {
     viewshed_command *c = p->context;
-    if (c->own == NULL) return true;
-    if (!io_output_commit(&c->table_file, error)) return false;
+    if (c->own != NULL && !io_output_commit(&c->table_file, error)) return false;
     command_wrote(p->name, p->quiet, c->table, p->start, "views from %zu place%s", c->observers.count,
                   c->observers.count == 1 ? "" : "s");
     return true;
