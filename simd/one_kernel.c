@@ -16,22 +16,34 @@
  * it; papers/numerics.md derives how wide it has to be for that. Rejected: slabs for each ray, which take longer than the nodes
  * that they save; all lanes on the columns of a ray that is beside a surface (papers/walks.md). */
 
-#include "../src/scalar/strict.h"
+#include "../src/scalar/refine.h"
 #include "children.h"
 #include "kernels.h"
 #include "lane_queue.h"
 #include "pyramid.h"
+#include "vector_rays.h"
 #include "vector_watertight.h"
 
 #include <float.h>
 #include <string.h>
 
+/* Rays that begin less than LOW_HEIGHT above the ground begin their walk at their block; after OPENS nodes slabs judge them too: measured
+ * (papers/walks.md). */
+enum { SOON_CELLS = 8, LOW_HEIGHT = 8, OPENS = 48 };
+
 /* The ray in all lanes, mirrored so that it goes up along both axes, which no operation rounds differently. */
 typedef struct one_lanes {
-    vfloat center[2], inverse[2], from, until;
+    vfloat center[2], inverse[2];
     bool up_x, up_y;
     float sign[2], shift[2]; /* a node's low corner in mirrored numbers of its children: sign · number - shift */
 } one_lanes;
+
+/* The find of a leaf test in cell (i, j): see strict_find. */
+typedef struct one_find {
+    int32_t i, j;
+    float t0, t1;
+    bool b;
+} one_find;
 
 /* The children of a node in lanes k W and on. */
 typedef struct one_children {
@@ -65,7 +77,7 @@ CW_INLINE unsigned open_node(const one_lanes *a, const vray *r, const cw_pyramid
     unsigned mask = 0;
     for (size_t k = 0; k < CHILD_VECTORS; k++) {
         const one_children c = children_of(a, x, y, l->side, k);
-        const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), a->from), t1 = vf_min(vf_min(c.x_out, c.y_out), a->until);
+        const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
         const vmask m = meets(r, t0, t1, vf_load_block(row, step, k), vf_load_block(row + 16, step, k));
         mask |= vm_bits(vm_and(vf_le(t0, t1), m)) << (k * W);
     }
@@ -74,7 +86,7 @@ CW_INLINE unsigned open_node(const one_lanes *a, const vray *r, const cw_pyramid
 
 /* Tests the cells of block (x, y). */
 static inline bool test_block(const one_lanes *a, const vray *r, const cw_field *f, int32_t x, int32_t y,
-                              cw_one_find *found) {
+                              one_find *found) {
     block_samples s;
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     const float *row = first_row(a->up_y, s.z, s.stride);
@@ -97,7 +109,7 @@ static inline bool test_block(const one_lanes *a, const vray *r, const cw_field 
         c.i = a->up_x ? at.x : vf_sub(vf_sub(vf_set(0), at.x), one);
         c.j = a->up_y ? at.y : vf_sub(vf_sub(vf_set(0), at.y), one);
         vfind find;
-        const unsigned hits = in_walk_order(vm_bits(wt_cell(r, &c, gate, &find)), a->up_x);
+        const unsigned hits = in_walk_order(vm_bits(wt_cell_in(r, &c, gate, &find)), a->up_x);
         if (hits == 0) continue;
         const int lane = __builtin_ctz(hits) ^ flip(a->up_x), place = lane + (int)k * W;
         found->t0 = vf_lane(&find.t0, (unsigned)lane);
@@ -110,26 +122,35 @@ static inline bool test_block(const one_lanes *a, const vray *r, const cw_field 
     return false;
 }
 
+static inline strict_axis axis_of(const vaxis *a) {
+    return (strict_axis){.org = vf_lane(&a->org, 0),
+                         .dir = vf_lane(&a->dir, 0),
+                         .center = vf_lane(&a->center, 0),
+                         .inverse = vf_lane(&a->inverse, 0),
+                         .step = vf_lane(&a->step, 0) > 0 ? 1 : -1};
+}
+
 /* True if the ray hits nothing in node (x, y) of a level. */
-static inline bool slab_misses(const strict_ray *r, const cw_field *f, int level, int32_t x, int32_t y) {
+static inline bool slab_misses(const vray *r, const cw_field *f, int level, int32_t x, int32_t y) {
     const struct cw_pyramid *p = f->pyramid;
     const int32_t side = (int32_t)4 << 2 * level;
     const cw_pyramid_slab *s =
         &p->slab[(size_t)p->first[level + 1] + (size_t)y * cw_pyramid_across(f, level) + (size_t)x];
     const float *bounds = cw_pyramid_node(&p->level[level], (size_t)x, (size_t)y);
     if (!(s->low <= s->high)) return true;
-    const strict_axis *const axis[2] = {&r->x, &r->y};
+    const strict_axis axis[2] = {axis_of(&r->x), axis_of(&r->y)};
     const int32_t corner[2] = {x * side, y * side};
-    float t0 = r->from, t1 = r->until;
+    float t0 = vf_lane(&r->from, 0), t1 = vf_lane(&r->until, 0);
     for (int c = 0; c < 2; c++) {
-        const bool up = axis[c]->step > 0;
-        t0 = max_second(t0, strict_crossing(axis[c], (float)(corner[c] + (up ? 0 : side))));
-        t1 = min_second(t1, strict_crossing(axis[c], (float)(corner[c] + (up ? side : 0))));
+        const bool up = axis[c].step > 0;
+        t0 = max_second(t0, strict_crossing(&axis[c], (float)(corner[c] + (up ? 0 : side))));
+        t1 = min_second(t1, strict_crossing(&axis[c], (float)(corner[c] + (up ? side : 0))));
     }
     const double u = (double)(FLT_EPSILON / 2), low = (double)s->low, high = (double)s->high, half = 0.5 * side;
-    const double oz = (double)r->oz, dz = (double)r->dz, a = (double)s->slope_x, b = (double)s->slope_y;
-    const double dx = (double)r->x.dir, dy = (double)r->y.dir;
-    const double px = (double)r->x.org - (corner[0] + half), py = (double)r->y.org - (corner[1] + half);
+    const double oz = (double)vf_lane(&r->oz, 0), dz = (double)vf_lane(&r->dz, 0), a = (double)s->slope_x,
+                 b = (double)s->slope_y;
+    const double dx = (double)axis[0].dir, dy = (double)axis[1].dir;
+    const double px = (double)axis[0].org - (corner[0] + half), py = (double)axis[1].org - (corner[1] + half);
     const double steep = fabs(a) + fabs(b), sigma = steep + (high - low),
                  absolute = max_second_d(fabs(low), fabs(high));
     /* Slabs with a slope have been set outward for rays from anywhere (cw_slab_outward). That is taken back, and replaced by
@@ -146,40 +167,45 @@ static inline bool slab_misses(const strict_ray *r, const cw_field *f, int level
     return min_second_d(d0, d1) > high + pad || max_second_d(d0, d1) < low - pad;
 }
 
-static inline void spread_axis(vaxis *v, const strict_axis *a) {
-    v->org = vf_set(a->org);
-    v->dir = vf_set(a->dir);
-    v->up = vm_set(a->step > 0);
+/* Number of the cell at t along an axis, or of an earlier one, within the field. See first_corner in lane_rays.h. */
+CW_INLINE int32_t cell_at(const vaxis *a, vfloat t, size_t samples) {
+    const vfloat org = vf_mul(a->step, a->org), size = vf_add(vf_abs(org), vf_set((float)samples));
+    const vfloat early = vf_sub(org, vf_mul(vf_set(0x1p-21f), size)), last = vf_mul(a->step, a->last);
+    const vfloat place = vf_min(vf_add(early, vf_mul(t, vf_mul(a->step, a->dir))), vf_sub(last, vf_set(0.5f)));
+    const vfloat at = vf_floor(vf_max(place, vf_mul(a->step, a->first)));
+    return (int32_t)vf_lane(&at, 0) ^ (vf_lane(&a->step, 0) > 0 ? 0 : -1);
 }
 
-/* opens: nodes until slabs judge, too. */
-static __attribute__((noinline)) bool walk_one(const cw_field *f, const strict_ray *ray, int32_t i, int32_t j, bool low,
-                                               int opens, cw_one_find *found) {
+/* late: from t on, from the top, with slabs from the first node on. */
+static __attribute__((noinline)) bool walk_one(const cw_field *f, const cw_ray *ray, bool late, float t,
+                                               one_find *found) {
     const struct cw_pyramid *p = f->pyramid;
     vray r;
-    spread_axis(&r.x, &ray->x);
-    spread_axis(&r.y, &ray->y);
-    r.oz = vf_set(ray->oz);
-    r.dz = vf_set(ray->dz);
-    r.t0 = vf_set(ray->t0);
-    r.t1 = vf_set(ray->t1);
+    vstart start;
+    vfloat numbers[8];
+    for (int k = 0; k < 8; k++) numbers[k] = vf_set(((const float *)ray)[k]);
+    if (!vm_any(make_rays_of(&r, f, numbers, CW_LEAF_WATERTIGHT, &start))) return false;
+    if (late) r.from = vf_max(vf_set(t), r.from);
     one_lanes a;
-    a.up_x = ray->x.step > 0;
-    a.up_y = ray->y.step > 0;
+    a.up_x = vf_lane(&r.x.step, 0) > 0;
+    a.up_y = vf_lane(&r.y.step, 0) > 0;
     const int flip_x = flip(a.up_x), flip_y = flip(a.up_y);
-    const strict_axis *const axis[2] = {&ray->x, &ray->y};
+    const vaxis *const axis[2] = {&r.x, &r.y};
     for (int c = 0; c < 2; c++) {
-        a.sign[c] = (float)axis[c]->step;
+        a.sign[c] = vf_lane(&axis[c]->step, 0);
         a.shift[c] = 2 - 2 * a.sign[c];
-        a.center[c] = vf_set(a.sign[c] * axis[c]->center);
-        a.inverse[c] = vf_set(fabsf(axis[c]->inverse));
+        a.center[c] = vf_mul(axis[c]->step, axis[c]->center);
+        a.inverse[c] = vf_abs(axis[c]->inverse);
     }
-    a.from = vf_set(ray->from);
-    a.until = vf_set(ray->until);
     unsigned mask = 0, done = 0, todo[PYRAMID_LEVELS_MAX];
-    int level = p->levels - 1, left = opens; /* -1: cells */
+    int level = p->levels - 1, left = late ? 0 : OPENS; /* -1: cells */
     int32_t x = 0, y = 0;
-    if (low) level = -1, x = i >> 2, y = j >> 2;
+    if (!late) {
+        const int32_t i = cell_at(&r.x, r.from, f->nx), j = cell_at(&r.y, r.from, f->ny);
+        const vfloat z = vf_set(f->z[(size_t)j * f->stride + (size_t)i]);
+        const vfloat height = vf_sub(vf_mul(r.from, r.dz), above_origin(&r, z));
+        if (fabsf(vf_lane(&height, 0)) <= LOW_HEIGHT) level = -1, x = i >> 2, y = j >> 2;
+    }
     int top = level;
     for (;;) {
         if (level < 0) {
@@ -188,7 +214,7 @@ static __attribute__((noinline)) bool walk_one(const cw_field *f, const strict_r
         } else {
             const bool judged = left == 0 && level + 1 < p->levels;
             mask =
-                judged && slab_misses(ray, f, level + 1, x, y) ? 0 : open_node(&a, &r, &p->level[level], x, y) & ~done;
+                judged && slab_misses(&r, f, level + 1, x, y) ? 0 : open_node(&a, &r, &p->level[level], x, y) & ~done;
             done = 0;
         }
         while (mask == 0) {
@@ -212,18 +238,57 @@ static __attribute__((noinline)) bool walk_one(const cw_field *f, const strict_r
     }
 }
 
+/* True if the ray begins within the field and seems to fall to the ground within SOON_CELLS cells. */
+static inline bool falls_soon(const cw_field *f, const cw_ray *ray) {
+    const float *o = ray->org, *d = ray->dir;
+    if (!(d[2] < 0)) return false;
+    const float x = o[0] + ray->tmin * d[0], y = o[1] + ray->tmin * d[1];
+    if (!(x >= 0 && x < (float)(f->nx - 1) && y >= 0 && y < (float)(f->ny - 1))) return false;
+    const float *z = f->z + (size_t)y * f->stride + (size_t)x, height = o[2] + ray->tmin * d[2] - *z;
+    if (!(height >= 0 && height * (fabsf(d[0]) + fabsf(d[1])) <= SOON_CELLS * -d[2])) return false;
+    /* The rows that it may need: or their loads would wait for the first one's. */
+    __builtin_prefetch(z + f->stride);
+    __builtin_prefetch(d[1] > 0 ? z + 2 * f->stride : z - f->stride);
+    return true;
+}
+
 /* cw_one1, cw_one4, cw_one8 or cw_one16. */
-bool CW_CODE(one)(const cw_field *f, const strict_ray *ray, int32_t i, int32_t j, bool low, cw_one_find *found) {
-    enum { OPENS = 48 };
-    return walk_one(f, ray, i, j, low, OPENS, found);
+void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
+    for (size_t k = 0; k < n; k++) {
+        one_find at;
+        cw_hit *const hit = hits ? &hits[k] : NULL;
+        uint8_t *const blocked = hits ? NULL : &occluded[k];
+        if (falls_soon(f, &rays[k]) && cw_cell_few(f, &rays[k], SOON_CELLS, hit, blocked)) continue;
+        if (W == 1) { /* faster in plain C */
+            cw_pyramid1.trace[CW_LEAF_WATERTIGHT](f, &rays[k], 1, hit, blocked);
+            continue;
+        }
+        const bool found = walk_one(f, &rays[k], false, 0, &at);
+        if (hits == NULL) {
+            occluded[k] = found;
+        } else if (found) {
+            const float *row = f->z + (size_t)at.j * f->stride + (size_t)at.i;
+            const strict_cell c = {.i = (size_t)at.i,
+                                   .j = (size_t)at.j,
+                                   .h00 = row[0],
+                                   .h10 = row[1],
+                                   .h01 = row[f->stride],
+                                   .h11 = row[f->stride + 1]};
+            ray_start start;
+            ray_init(&start, f, &rays[k]);
+            hits[k] = refine_hit(&start, &c, &(strict_find){at.t0, at.t1, at.b});
+        } else { /* not by miss(), which compilers make elsewhere and copy */
+            hits[k].t = INFINITY;
+            hits[k].i = hits[k].j = -1;
+            hits[k].triangle = 0;
+            hits[k].u = hits[k].v = 0;
+        }
+    }
 }
 
 bool CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, float find[FOUND_NUMBERS]) {
-    strict_ray r;
-    cw_one_find at;
-    if (!strict_ray_init(&r, f, ray, CW_LEAF_WATERTIGHT)) return false;
-    r.from = max_second(t, r.from);
-    if (!walk_one(f, &r, 0, 0, false, 0, &at)) return false;
+    one_find at;
+    if (!walk_one(f, ray, true, t, &at)) return false;
     const float *row = f->z + (size_t)at.j * f->stride + (size_t)at.i, *corner = at.b ? row + f->stride : row + 1;
     const float numbers[FOUND_NUMBERS] = {at.t0,  at.t1,   (float)at.i,        (float)at.j,
                                           row[0], *corner, row[f->stride + 1], at.b ? 1 : 0};

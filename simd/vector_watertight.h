@@ -98,7 +98,7 @@ CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *
 }
 
 /* The same, not inlined: most walks have no registers left for it. */
-static __attribute__((noinline)) vmask wt_cell(const vray *ray, const vcell *c, vmask among, vfind *find) {
+static __attribute__((noinline, unused)) vmask wt_cell(const vray *ray, const vcell *c, vmask among, vfind *find) {
     return wt_cell_in(ray, c, among, find);
 }
 

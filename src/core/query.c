@@ -27,8 +27,8 @@ static inline void trace_few(const cw_kernel *kernel, const cw_field *field, con
         if (if_short && if_short(field, rays, n, hits, occluded)) return;
     }
     const size_t alone = FEW_ALONE - (field->nx * field->ny > FEW_LARGE);
-    if (n <= alone && cw_one(field, kernel->one, rays, n, hits, occluded)) return;
-    kernel->few->trace[CW_LEAF_WATERTIGHT](field, rays, n, hits, occluded);
+    cw_trace_fn *const trace = n <= alone && kernel->one ? kernel->one : kernel->few->trace[CW_LEAF_WATERTIGHT];
+    trace(field, rays, n, hits, occluded);
 }
 
 typedef struct query_job {
@@ -79,21 +79,13 @@ static void work_on_many(void *context, size_t begin, size_t end) {
 }
 
 /* An update may drop a structure, so its presence is checked behind the door. */
-static cw_status query(const cw_field *field, const cw_run *run, const cw_ray *rays, const cw_user_ray *user_rays,
-                       size_t n, cw_hit *hits, uint8_t *occluded, const char *out_name) {
+static __attribute__((noinline)) cw_status query_user(const cw_field *field, const cw_run *run, const cw_ray *rays,
+                                                      const cw_user_ray *user_rays, size_t n, cw_hit *hits,
+                                                      uint8_t *occluded, const char *out_name) {
     if (field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
     if (n > 0 && rays == NULL && user_rays == NULL) return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
     if (n > 0 && hits == NULL && occluded == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu rays", out_name, n);
-    if (run == NULL && n - 1 < CW_FEW_RAYS && rays != NULL) { /* all that few rays need */
-        const door_pass in = door_enter(&field->door);
-        if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
-        const fpenv caller = fpenv_enter();
-        trace_few(cw_kernel_default(cw_isa_best()), field, rays, n, hits, occluded);
-        fpenv_leave(caller);
-        door_leave(in);
-        return CW_OK;
-    }
     query_job q; /* no initialiser: it would clear how first */
     q.field = field, q.rays = rays, q.user_rays = user_rays, q.hits = hits, q.occluded = occluded;
     cw_status status = cw_run_begin(run, &q.how);
@@ -111,18 +103,39 @@ static cw_status query(const cw_field *field, const cw_run *run, const cw_ray *r
     return status;
 }
 
+/* The default kernel; looking for it takes some of the time of one ray. */
+static inline const cw_kernel *kernel_of(cw_isa isa) {
+    static const cw_kernel *_Atomic found[CW_ISA_COUNT];
+    const cw_kernel *kernel = atomic_load_explicit(&found[isa], memory_order_relaxed);
+    if (kernel == NULL) atomic_store_explicit(&found[isa], kernel = cw_kernel_default(isa), memory_order_relaxed);
+    return kernel;
+}
+
+static inline cw_status query(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits,
+                              uint8_t *occluded, const char *out_name) {
+    if (run != NULL || n - 1 >= CW_FEW_RAYS || field == NULL || rays == NULL || (hits == NULL && occluded == NULL))
+        return query_user(field, run, rays, NULL, n, hits, occluded, out_name);
+    const door_pass in = door_enter(&field->door); /* all that few rays need */
+    if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
+    const fpenv caller = fpenv_enter();
+    trace_few(kernel_of(cw_isa_best()), field, rays, n, hits, occluded);
+    fpenv_leave(caller);
+    door_leave(in);
+    return CW_OK;
+}
+
 cw_status cw_closest(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits) {
-    return query(field, run, rays, NULL, n, hits, NULL, "hits");
+    return query(field, run, rays, n, hits, NULL, "hits");
 }
 cw_status cw_occluded(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    return query(field, run, rays, NULL, n, NULL, occluded, "occluded");
+    return query(field, run, rays, n, NULL, occluded, "occluded");
 }
 cw_status cw_closest_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n, cw_hit *hits) {
-    return query(field, run, NULL, rays, n, hits, NULL, "hits");
+    return query_user(field, run, NULL, rays, n, hits, NULL, "hits");
 }
 cw_status cw_occluded_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n,
                            uint8_t *occluded) {
-    return query(field, run, NULL, rays, n, NULL, occluded, "occluded");
+    return query_user(field, run, NULL, rays, n, NULL, occluded, "occluded");
 }
 
 /* ---- rays alone -------------------------------------------------------------------------------------------------- */

@@ -33,10 +33,10 @@ static inline double max_second_d(double a, double b) { return a > b ? a : b; }
 enum { RAY_MOVES = 8 };
 
 /* A direction component whose reciprocal overflows counts as zero. */
-static inline float ray_direction(float d) { return fabsf(1.0f / d) <= FLT_MAX ? d : 0; }
+static inline float ray_direction(float d) { return fabsf(d) > 0x1p-128f ? d : 0; }
 
 /* False if d is so large that its reciprocal is denormal, or infinite, or NaN. */
-static inline bool ray_direction_counts(float d) { return fabsf(1.0f / d) >= FLT_MIN; }
+static inline bool ray_direction_counts(float d) { return fabsf(d) <= 0x1p126f; }
 
 /* A ray as the library traces it. */
 typedef struct ray_start {

@@ -23,7 +23,7 @@ static const cw_kernel kernels[] = {
      NONE, NULL, NULL},
     CELLWALK_KERNELS
 #undef KERNEL
-    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, cw_to_field1, NONE, &cw_pyramid1, NULL},
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, cw_to_field1, cw_one1, {NULL, NULL}, &cw_pyramid1, NULL},
 #define KERNEL(set, lanes) \
     {"pyramid" #lanes, "bounds pyramid, " #lanes " lanes, single rays in pairs of " #lanes, \
      CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, cw_to_field##lanes, cw_one##lanes, FEW_##lanes, NULL},

@@ -14,16 +14,6 @@ typedef void cw_trace_fn(const cw_field *field, const cw_ray *rays, size_t n, cw
 /* The same for few rays, with the watertight test; false if another walk is better, and then answers are unspecified. */
 typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
-/* The walk of one ray over the pyramid from cell (i, j) on, which is low above the ground or not. */
-struct strict_ray;
-typedef struct cw_one_find {
-    int32_t i, j; /* the cell */
-    float t0, t1; /* see strict_find */
-    bool b;
-} cw_one_find;
-typedef bool cw_one_fn(const cw_field *field, const struct strict_ray *ray, int32_t i, int32_t j, bool low,
-                       cw_one_find *found);
-
 /* cw_rays_to_field; m is the field's to_field. */
 typedef void cw_to_field_fn(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out);
 
@@ -38,9 +28,9 @@ struct cw_kernel {
     unsigned width; /* lanes of the widest vectors it walks with */
     const cw_kernel_code *code;
     cw_to_field_fn *to_field; /* for the same instruction set */
-    /* Calls of at most CW_FEW_RAYS rays that force no kernel: the walk of one alone (NULL: there is none); of at most CW_SHORT_LANES and of
+    /* Calls of at most CW_FEW_RAYS rays that force no kernel: of one alone (NULL: there is none); of at most CW_SHORT_LANES and of
      * more that are all short by a guess; and of all others. */
-    cw_one_fn *one;
+    cw_trace_fn *one;
     cw_short_fn *if_short[2];
     const cw_kernel_code *few;
     cw_status (*build)(cw_field *field); /* makes the field's guest, if the bounds alone do not serve it */
@@ -61,16 +51,16 @@ cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 /* Kernels of another library, which come before those of this one. Before the first other call, and once. */
 void cw_kernels_add(const cw_kernel *first, size_t count);
 
-/* src/scalar/cell.c; cw_one: a cw_short_fn of one ray after the other. */
+/* src/scalar/cell.c. cw_cell_few traces a ray through so many cells at most; false if it goes on, and then there is no answer. */
 extern const cw_kernel_code cw_cell;
-bool cw_one(const cw_field *field, cw_one_fn *walk, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
+bool cw_cell_few(const cw_field *field, const cw_ray *ray, int most, cw_hit *hit, uint8_t *occluded);
 
 /* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the instruction sets of simd/isas.cmake */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
 cw_short_fn cw_short4, cw_short8;
 extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
 
-cw_one_fn cw_one1, cw_one4, cw_one8, cw_one16; /* simd/one_kernel.c */
+cw_trace_fn cw_one1, cw_one4, cw_one8, cw_one16; /* simd/one_kernel.c */
 
 cw_to_field_fn cw_to_field1, cw_to_field4, cw_to_field8, cw_to_field16; /* simd/to_field_kernel.c */
 
