@@ -244,11 +244,13 @@ static inline bool falls_soon(const cw_field *f, const cw_ray *ray) {
     if (!(d[2] < 0)) return false;
     const float x = o[0] + ray->tmin * d[0], y = o[1] + ray->tmin * d[1];
     if (!(x >= 0 && x < (float)(f->nx - 1) && y >= 0 && y < (float)(f->ny - 1))) return false;
-    const float *z = f->z + (size_t)y * f->stride + (size_t)x, height = o[2] + ray->tmin * d[2] - *z;
+    const size_t i = (size_t)x, j = (size_t)y,
+                 next = d[1] > 0 ? j + 2 : j - 1; /* below 0 it wraps, beyond every field */
+    const float *z = f->z + j * f->stride + i, height = o[2] + ray->tmin * d[2] - *z;
     if (!(height >= 0 && height * (fabsf(d[0]) + fabsf(d[1])) <= SOON_CELLS * -d[2])) return false;
     /* The rows that it may need: or their loads would wait for the first one's. */
     __builtin_prefetch(z + f->stride);
-    __builtin_prefetch(d[1] > 0 ? z + 2 * f->stride : z - f->stride);
+    if (next < f->ny) __builtin_prefetch(f->z + next * f->stride + i);
     return true;
 }
 

@@ -14,7 +14,7 @@ typedef float float_lanes, float_memory;
 typedef int32_t signed_lanes;
 typedef uint32_t int_lanes, int_memory;
 typedef double double_lanes;
-typedef unsigned lane_mask;
+typedef bool lane_mask;
 #else
 #define VECTOR __attribute__((vector_size(4 * W)))
 typedef VECTOR float float_lanes;
@@ -64,6 +64,10 @@ static inline mask_reg ri_eq(int_reg a, int_reg b) { return (mask_reg){COMPARE(a
 #if W > 1
 static inline float_reg rf_min(float_reg a, float_reg b);
 static inline int_reg ri_where(mask_reg m, int_reg a);
+
+static inline mask_reg rm_and(mask_reg a, mask_reg b) { return (mask_reg){(lane_mask)(a.v & b.v)}; }
+static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){(lane_mask)(a.v | b.v)}; }
+static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){(lane_mask)(a.v & ~b.v)}; }
 
 static inline float_reg rf_abs(float_reg a) { return (float_reg){(float_lanes)((int_lanes)a.v & 0x7fffffff)}; }
 static inline float_reg rf_flip(float_reg a, float_reg sign) {

@@ -66,8 +66,8 @@ static inline __attribute__((always_inline)) walk_end walk_cells(const cw_field 
 /* ---- the kernel cell --------------------------------------------------------------------------------------------- */
 
 /* most: cells of each ray, 0 for all; false if one goes on. */
-static inline bool trace_cells(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, int most, cw_hit *hits,
-                               uint8_t *occluded) {
+static inline __attribute__((always_inline)) bool trace_cells(const cw_field *f, const cw_ray *rays, size_t n,
+                                                              cw_leaf leaf, int most, cw_hit *hits, uint8_t *occluded) {
     for (size_t k = 0; k < n; k++) {
         strict_ray r;
         strict_cell c;
