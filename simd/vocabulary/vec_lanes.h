@@ -65,9 +65,11 @@ static inline mask_reg ri_eq(int_reg a, int_reg b) { return (mask_reg){COMPARE(a
 static inline float_reg rf_min(float_reg a, float_reg b);
 static inline int_reg ri_where(mask_reg m, int_reg a);
 
+#if !defined X || W == 16
 static inline mask_reg rm_and(mask_reg a, mask_reg b) { return (mask_reg){(lane_mask)(a.v & b.v)}; }
 static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){(lane_mask)(a.v | b.v)}; }
 static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){(lane_mask)(a.v & ~b.v)}; }
+#endif
 
 static inline float_reg rf_abs(float_reg a) { return (float_reg){(float_lanes)((int_lanes)a.v & 0x7fffffff)}; }
 static inline float_reg rf_flip(float_reg a, float_reg sign) {

@@ -43,6 +43,15 @@ static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b
     const HALF_REG half = half_of((float_reg){(float_lanes)m.v}, k);
     return (double_reg){X(blendv_pd)(b.v, a.v, (double_lanes)X(cvtepi32_epi64)((__m128i)half))};
 }
+/* As comparisons leave them, for integer operations would wait longer. */
+#define MASK_WORD(word, of, first, second)                                                                             \
+    static inline mask_reg word(mask_reg a, mask_reg b) {                                                              \
+        return (mask_reg){(lane_mask)X(of)((float_lanes)first.v, (float_lanes)second.v)};                              \
+    }
+MASK_WORD(rm_and, and_ps, a, b)
+MASK_WORD(rm_or, or_ps, a, b)
+MASK_WORD(rm_andnot, andnot_ps, b, a)
+#undef MASK_WORD
 static inline bool rm_any(mask_reg a) { return X(movemask_ps)((float_lanes)a.v) != 0; }
 static inline unsigned rm_bits(mask_reg a) { return (unsigned)X(movemask_ps)((float_lanes)a.v); }
 #endif
