@@ -9,6 +9,10 @@
 
 #include <stddef.h>
 
+#if !defined(__clang__) && __GNUC__ < 12
+#error "the kernels need GCC 12 or newer, or Clang"
+#endif
+
 #if W == 1
 typedef float float_lanes, float_memory;
 typedef int32_t signed_lanes;

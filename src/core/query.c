@@ -78,10 +78,11 @@ static void work_on_many(void *context, size_t begin, size_t end) {
     work_in_blocks(context, begin, end, block, BLOCK);
 }
 
-/* An update may drop a structure, so its presence is checked behind the door. */
-static __attribute__((noinline)) cw_status query_user(const cw_field *field, const cw_run *run, const cw_ray *rays,
-                                                      const cw_user_ray *user_rays, size_t n, cw_hit *hits,
-                                                      uint8_t *occluded, const char *out_name) {
+/* Of any rays; few take a shorter way, which is fast only without this one in it. An update may drop a structure, so its presence is checked
+ * behind the door. */
+static __attribute__((noinline)) cw_status query_all(const cw_field *field, const cw_run *run, const cw_ray *rays,
+                                                     const cw_user_ray *user_rays, size_t n, cw_hit *hits,
+                                                     uint8_t *occluded, const char *out_name) {
     if (field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
     if (n > 0 && rays == NULL && user_rays == NULL) return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
     if (n > 0 && hits == NULL && occluded == NULL)
@@ -114,7 +115,7 @@ static inline const cw_kernel *kernel_of(cw_isa isa) {
 static inline cw_status query(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits,
                               uint8_t *occluded, const char *out_name) {
     if (run != NULL || n - 1 >= CW_FEW_RAYS || field == NULL || rays == NULL || (hits == NULL && occluded == NULL))
-        return query_user(field, run, rays, NULL, n, hits, occluded, out_name);
+        return query_all(field, run, rays, NULL, n, hits, occluded, out_name);
     const door_pass in = door_enter(&field->door); /* all that few rays need */
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
     const fpenv caller = fpenv_enter();
@@ -131,11 +132,11 @@ cw_status cw_occluded(const cw_field *field, const cw_run *run, const cw_ray *ra
     return query(field, run, rays, n, NULL, occluded, "occluded");
 }
 cw_status cw_closest_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n, cw_hit *hits) {
-    return query_user(field, run, NULL, rays, n, hits, NULL, "hits");
+    return query_all(field, run, NULL, rays, n, hits, NULL, "hits");
 }
 cw_status cw_occluded_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n,
                            uint8_t *occluded) {
-    return query_user(field, run, NULL, rays, n, NULL, occluded, "occluded");
+    return query_all(field, run, NULL, rays, n, NULL, occluded, "occluded");
 }
 
 /* ---- rays alone -------------------------------------------------------------------------------------------------- */

@@ -67,8 +67,9 @@ cw_status cw_compass_make(compass *c, cw_area area, const cw_run *how, size_t by
     if (out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", name);
     const size_t few = all.nx < SAMPLES_AT_ONCE ? SAMPLES_AT_ONCE / all.nx : 1, most = few < all.ny ? few : all.ny;
     const size_t row = all.nx * bytes, gap = area.stride * bytes;
-    char *memory = malloc(most * all.nx * (room + bytes)), *packed = memory + most * all.nx * room;
+    char *memory = malloc(most * all.nx * (room + bytes));
     if (memory == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
+    char *packed = memory + most * all.nx * room;
     for (size_t y = 0; y < all.ny && status == CW_OK;) {
         cw_rectangle at = {all.i, all.j + y, all.nx, most < all.ny - y ? most : all.ny - y};
         turn(c, &at);
