@@ -3,15 +3,11 @@
 
 #include "codes.h"
 #include "fpenv.h"
+#include "samples.h"
 #include "sister.h"
 
 #include <float.h>
 #include <math.h>
-
-/* How far rounding can put a place on the ray off, as a part of the distance from the start along the longer axis:
- * the direction's components, their quotient and the product are each off by 2^-53. A place nearer to a sample than
- * that is the sample's: it would be wrong to read the one beyond, which may not exist. */
-#define PLACE_ROUNDING 0x1p-50
 
 /* Lines of one kind, which the ray crosses at equal distances: at t = 1 / rate, 2 / rate, … */
 typedef struct lines {
@@ -228,15 +224,15 @@ static float rounding(const cw_field *f) {
 static cw_status query_along(const cw_heading_job *job, const cw_run *run, const void *out, const char *out_name) {
     const cw_heading *h = job->heading;
     if (h == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
-    const size_t samples = job->nx * job->ny;
-    if (samples > 0 && out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu samples", out_name, samples);
+    const size_t count = job->nx * job->ny;
+    if (count > 0 && out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu samples", out_name, count);
     const cw_field *f = h->field;
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
     if (status == CW_OK) status = cw_check_rectangle(f, &(cw_rectangle){job->i, job->j, job->nx, job->ny});
     const terrain_code *code;
     if (status == CW_OK) status = cw_terrain_settle(&how, &code);
-    if (status != CW_OK || samples == 0) return status;
+    if (status != CW_OK || count == 0) return status;
     door_pass in;
     if (!cw_field_enter(f, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
     tiles t = {.job = *job, .code = code->heading};

@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The samples of a field, which has them: they are not held twice. */
+/* The samples of a field, which has them: they are not held twice. And when a place on a ray is a sample's. */
 #ifndef CELLWALK_TERRAIN_SAMPLES_H
 #define CELLWALK_TERRAIN_SAMPLES_H
 
 #include "cellwalk.h"
+
+/* How far rounding can put a place on the ray off, as a part of the distance from the start along the longer axis:
+ * the direction's components, their quotient and the product are each off by 2^-53. A place nearer to a sample than
+ * that is the sample's: it would be wrong to read the one beyond, which may not exist. */
+#define PLACE_ROUNDING 0x1p-50
 
 typedef struct samples {
     const float *z; /* sample (i, j) is z[j * stride + i]; a hole is NaN */

@@ -11,10 +11,6 @@
 
 #include <stdatomic.h>
 
-/* How far rounding can put a place on the ray off, as a part of the distance: as in heading.c. A place nearer to a sample than
- * that is the sample's. */
-#define PLACE_ROUNDING 0x1p-50
-
 /* Arrays that are kept from direction to direction. BOUND is level 0's. */
 enum { LAND, LEVEL, WAYS, BOUND, ARRAYS = BOUND + VISIBLE_LEVELS };
 
