@@ -312,7 +312,7 @@ CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, lane_ans
 
 /* A ray that has kept its lane for 2^LATE_SHIFT steps is late; LOOK_AFTER: steps from one look for such rays to the next.
  * A step takes as long for FEW lanes as for all, so if no more rays than that are left, these numbers are smaller. */
-enum { LATE_SHIFT = 8, LOOK_AFTER = 128 };
+enum { LATE_SHIFT = 7, LOOK_AFTER = 128 };
 enum { FEW = LANES / 4, LATE_SHIFT_OF_FEW = 5, LOOK_AFTER_OF_FEW = 32 };
 
 /* Takes those rays out of their lanes that are late, and walks them to their ends. */
