@@ -206,21 +206,35 @@ static void visit_calm(sweep_part *p, long row, const float *far, long begin, lo
     }
 }
 
-static double bin_left(const sweep_part *p, size_t b) { return p->from + (double)b * p->width - 2 * SKYLINE_BLUR; }
+/* Where bin b begins, or what is looked at of it. */
+static double bin_left(const sweep_part *p, size_t b) {
+    return skyline_larger(p->from + (double)b * p->width - 2 * SKYLINE_BLUR, p->line.from);
+}
 
 /* A piece of the skyline that begins before the bin on the left of bin b; that bin's own may be gone. */
 static uint32_t start_before(const sweep_part *p, size_t b) {
     while (b > 0 && !(p->line.pieces[p->of[b - 1].start].from <= bin_left(p, b - 1))) b--;
-    return b > 0 ? p->of[b - 1].start : SKYLINE_FIRST;
+    return b > 0 ? p->of[b - 1].start : p->first;
+}
+
+/* A strip is seen ever narrower, and all that was seen beside it would stay in the skyline, to be walked along for each row. So the
+ * skyline's range only gets narrower: to the part's ends, and to the field's where it nears the direction ahead. */
+static void narrow(sweep_part *p, double r) {
+    static const double beside = 1.25 * SKYLINE_BLUR; /* a look takes in SKYLINE_BLUR */
+    const double one = -p->aside / r, other = ((double)p->length - 1 - p->aside) / r;
+    p->line.from = (one <= 0 ? skyline_larger(one, p->from) : p->from) - beside;
+    p->line.until = (other >= 0 && other < p->until ? other : p->until) + beside;
+    const bool gone = !(p->line.pieces[p->first].from <= p->line.from);
+    p->first = skyline_find(&p->line, gone ? SKYLINE_FIRST : p->first, p->line.from);
 }
 
 /* Finds where bins from begin up to end start in the skyline, and how low it is there. */
 static void look_again(sweep_part *p, size_t begin, size_t end) {
     uint32_t start = start_before(p, begin);
     for (size_t b = begin; b < end; b++) {
-        const double left = bin_left(p, b);
+        const double left = bin_left(p, b), until = p->from + (double)(b + 1) * p->width + 2 * SKYLINE_BLUR;
         p->of[b].start = start = skyline_find(&p->line, start, left);
-        p->of[b].low = cw_skyline_least(&p->line, start, left, left + p->width + 4 * SKYLINE_BLUR);
+        p->of[b].low = cw_skyline_least(&p->line, start, left, until < p->line.until ? until : p->line.until);
     }
 }
 
@@ -285,6 +299,7 @@ static size_t bin_at(const sweep_part *p, double u) {
 
 static void go_on(sweep_part *p, long row, const float *far) {
     const double r = sweep_distance(p, row), per_row = 1 / r;
+    narrow(p, r);
     const sweep_lowering q = sweep_lowering_of(p, row);
     const bool every = p->target == INFINITY; /* then edges alone say where the skyline may grow */
     const double target = every ? 0 : skyline_larger(p->target, 0), error = sweep_error(p, r);
@@ -370,6 +385,7 @@ bool cw_sweep_part(const sight *s, unsigned number, double most, double target, 
     p.context = context;
     p.bins = 1;
     p.width = p.until - p.from;
+    p.first = SKYLINE_FIRST;
     p.columns_from = -1;
     p.ahead = -INFINITY;
     const size_t length = (size_t)p.length + 2 * SWEEP_PAD;

@@ -36,6 +36,7 @@ typedef struct sweep_part {
     void *context;
 
     skyline line;
+    uint32_t first; /* a piece that begins before the skyline's range */
     size_t bins;
     double width; /* of a sweep_bin */
     sweep_bin *of;
