@@ -217,10 +217,10 @@ static uint32_t start_before(const sweep_part *p, size_t b) {
     return b > 0 ? p->of[b - 1].start : p->first;
 }
 
-/* A strip is seen ever narrower, and all that was seen beside it would stay in the skyline, to be walked along for each row. So the
- * skyline's range only gets narrower: to the part's ends, and to the field's where it nears the direction ahead. */
+/* The range of the skyline is what this row and those behind it can need: the part's, and less where the ends of the rows come nearer to
+ * the direction ahead. Else all that was seen beside a strip would stay, and be walked along for each row. */
 static void narrow(sweep_part *p, double r) {
-    static const double beside = 1.25 * SKYLINE_BLUR; /* a look takes in SKYLINE_BLUR */
+    static const double beside = 1.25 * SKYLINE_BLUR; /* looks reach as far, with the eighth that narrow edges gain */
     const double one = -p->aside / r, other = ((double)p->length - 1 - p->aside) / r;
     p->line.from = (one <= 0 ? skyline_larger(one, p->from) : p->from) - beside;
     p->line.until = (other >= 0 && other < p->until ? other : p->until) + beside;
@@ -392,7 +392,7 @@ bool cw_sweep_part(const sight *s, unsigned number, double most, double target, 
     p.of = malloc(sizeof *p.of);
     double *lines = calloc(6 * length, sizeof *lines);
     if (p.swapped) p.columns = malloc((SWEEP_COLUMNS + 1) * sweep_columns_stride(&p) * sizeof *p.columns);
-    bool good = cw_skyline_init(&p.line, p.from - 0x1p-10, p.until + 0x1p-10);
+    bool good = cw_skyline_init(&p.line, p.from, p.until);
     good = good && p.of && lines && (p.columns || !p.swapped);
     if (good) {
         double **const line[5] = {&p.near_height, &p.far_height, &p.front, &p.back, &p.back_before};
