@@ -239,7 +239,7 @@ class Lands(Library):
     def land_desc(self, z, map=((10, 0, 0, 0), (0, -10, 0, 0), (0, 0, 1, 0)), gap=0, **members):
         """gap: of so many numbers behind each row of the samples, which the field borrows then."""
         self.forget()
-        self.z = np.ascontiguousarray(z, "f4")
+        self.z, self.up = np.ascontiguousarray(z, "f4"), float(map[2][2])
         (ny, nx), rows = self.z.shape, np.pad(self.z, ((0, 0), (0, gap)), constant_values=1e9)
         desc = self.desc(rows, map, **({"nx": nx, "stride": nx + gap, "storage": 1} if gap else {}))
         self.fields.append(int(self.well("cw_field_create", desc, None, Room("u8"))[0]))
@@ -311,16 +311,14 @@ class Lands(Library):
 
     def round(self, place, height, absolute=1, target=0, curvature=0, farthest=0):
         """A viewshed from a place in field coordinates: which samples are seen, the heights needed, the eye, and how fast the earth falls away."""
-        desc = struct("viewshed_desc", place=place, height=height, absolute=absolute, target_height=target, curvature=curvature)
-        desc["limits"]["farthest"] = farthest
+        eye = np.array([*place, (height if absolute else self.table("places", [[*place, 0]])[0, 7] + height) / self.up])
         bounds = int(self.well("cw_terrain_bounds", self.land_now, Room("u8"))[0])
-        view = int(self.well("cw_viewshed_create", self.land_now, bounds, desc, Room("u8"))[0])
+        sight = self.call("cw_sight_init", Room(STRUCTS["sight"]), self.land_now, bounds, eye, float(curvature))[1]
+        limits = struct("sight_limits", farthest=farthest)
         to = {"seen": np.zeros(self.z.shape, "u2"), "needed": np.zeros(self.z.shape, "f4")}
-        self.filled(to, lambda at: self.well("cw_viewshed_see", view, None, np.zeros(5, "u8"), struct("cw_view", **at)))
-        sight = self.peek(self.number("cw_viewshed_sight", view), STRUCTS["sight"])[0]
-        self.call("cw_viewshed_destroy", view)
+        self.filled(to, lambda at: self.well("cw_viewshed_from", sight, target / self.up, limits, None, np.zeros(5, "u8"), struct("cw_view", **at)))
         self.call("cw_terrain_bounds_release", self.land_now, bounds)
-        return to["seen"], to["needed"], sight["eye"], sight["fall"]
+        return to["seen"], to["needed"], sight["eye"][0], sight["fall"][0]
 
     def table(self, name, rows):
         """A row of answers for each."""

@@ -9,49 +9,13 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-struct viewshed {
-    const terrain *terrain;
-    viewshed_desc desc;
-    sight sight;
+/* What is looked for from the eye of a sight. */
+typedef struct viewshed {
+    const sight *sight;
     double target; /* height in the samples' numbers */
     view_limits limits;
     double most; /* cells along the longer axis to the greatest distance */
-};
-
-/* Samples are within it too, and the products of exact decisions stay far below overflow. */
-static const double most_height = 0x1p120;
-
-cw_status cw_viewshed_create(const terrain *t, const sight_bounds *bounds, const viewshed_desc *d, viewshed **out) {
-    *out = NULL;
-    const double ground = cw_terrain_height(t, d->place[0], d->place[1]), metres = terrain_metres_of_height(t);
-    const double eye = (d->absolute ? d->height : ground + d->height) / metres;
-    if (!cw_terrain_is_in_reach(d->place[0], d->place[1]))
-        return cw_fail(CW_ERROR_ARGUMENT, "x, y: the place is too far away from the terrain");
-    if (isnan(eye)) return cw_fail(CW_ERROR_ARGUMENT, "x, y: there is no ground to stand on, or height is no number");
-    cw_status status = cw_check_number("height", eye, -most_height, most_height);
-    if (status == CW_OK) status = cw_check_number("target", d->target_height / metres, -most_height, most_height);
-    if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, 1e9);
-    if (status != CW_OK) return status;
-    viewshed *v = malloc(sizeof *v);
-    if (v == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    *v = (viewshed){.terrain = t, .desc = *d, .target = d->target_height / metres};
-    cw_sight_init(&v->sight, t, bounds, (double[3]){d->place[0], d->place[1], eye}, d->curvature);
-    if (!cw_view_limits_init(&v->limits, &v->sight, &d->limits)) {
-        free(v);
-        return cw_fail(CW_ERROR_ARGUMENT, "nearest, farthest, azimuths, verticals: a number is none, or out of range");
-    }
-    /* A metre is at most so many cells long. */
-    double cells = 0;
-    for (int k = 0; k < 2; k++)
-        cells = fmax(cells, fabs(t->back[k][0]) / v->limits.metres[0] + fabs(t->back[k][1]) / v->limits.metres[1]);
-    v->most = d->limits.farthest > 0 ? d->limits.farthest * cells + 1 : INFINITY;
-    *out = v;
-    return CW_OK;
-}
-
-void cw_viewshed_destroy(viewshed *v) { free(v); }
-
-const sight *cw_viewshed_sight(const viewshed *v) { return &v->sight; }
+} viewshed;
 
 /* One sweep over all samples: for those that are seen, or for the heights that are needed. */
 typedef struct job {
@@ -72,13 +36,13 @@ static inline size_t place_of(const job *q, size_t i, size_t j) {
 }
 
 /* The target's height over the eye, lowered. */
-static double rise_of(const viewshed *v, size_t i, size_t j) { return cw_sight_sample(&v->sight, i, j) + v->target; }
+static double rise_of(const viewshed *v, size_t i, size_t j) { return cw_sight_sample(v->sight, i, j) + v->target; }
 
 static inline bool is_seen(const viewshed *v, size_t i, size_t j, const sweep_way *way) {
     if (v->limits.any && !cw_view_limits_have(&v->limits, (double)i, (double)j, rise_of(v, i, j))) return false;
-    const double z = (double)terrain_row(v->terrain, j)[i];
+    const double z = (double)terrain_row(v->sight->terrain, j)[i];
     return (way->unsure.close == 0 && !way->unsure.eye) ||
-           cw_sight_sees(&v->sight, (double)i, (double)j, z, v->target, way->unsure);
+           cw_sight_sees(v->sight, (double)i, (double)j, z, v->target, way->unsure);
 }
 
 static void put_seen(const job *q, size_t i, size_t j, size_t k) {
@@ -132,20 +96,20 @@ static void measure_sample(void *context, size_t i, size_t j, const sweep_way *w
     const viewshed *v = q->v;
     const size_t k = place_of(q, i, j);
     if (k == SIZE_MAX || (v->limits.any && !cw_view_limits_have(&v->limits, (double)i, (double)j, 0))) return;
-    const double z = (double)terrain_row(v->terrain, j)[i], metres = v->terrain->map[2][2];
+    const double z = (double)terrain_row(v->sight->terrain, j)[i], metres = v->sight->terrain->map[2][2];
     double need = NAN, low = way->low;
     if (way->known) {
-        need = cw_sight_need_known(&v->sight, (double)i, (double)j, z, way->rise, way->error, way->unsure);
+        need = cw_sight_need_known(v->sight, (double)i, (double)j, z, way->rise, way->error, way->unsure);
         low = fmax(low, way->rise - way->error); /* where the skyline has a step, the error is large */
     }
-    if (!is_sure(need * metres, way->error * metres)) need = cw_sight_need(&v->sight, (double)i, (double)j, z, low);
+    if (!is_sure(need * metres, way->error * metres)) need = cw_sight_need(v->sight, (double)i, (double)j, z, low);
     q->to.needed[k] = (float)(need * metres);
 }
 
 static uint64_t measure_span(void *context, const sweep_span *s) {
     const job *q = context;
-    const sight *from = &q->v->sight;
-    const double metres = q->v->terrain->map[2][2], across = s->down ? 0 : 1, i = (double)s->i, j = (double)s->j;
+    const sight *from = q->v->sight;
+    const double metres = q->v->sight->terrain->map[2][2], across = s->down ? 0 : 1, i = (double)s->i, j = (double)s->j;
     float needs[SWEEP_SPAN_MOST];
     bool open[SWEEP_SPAN_MOST];
     uint64_t left = 0;
@@ -184,7 +148,7 @@ static void sweep_parts(void *context, size_t begin, size_t end) {
         double directions[2][2];
         cw_sweep_directions((unsigned)k, directions);
         if (cw_view_limits_meet(&v->limits, directions[0], directions[1]) &&
-            !cw_sweep_part(&v->sight, (unsigned)k, v->most, q->heights ? INFINITY : v->target,
+            !cw_sweep_part(v->sight, (unsigned)k, v->most, q->heights ? INFINITY : v->target,
                            q->heights ? measure_sample : see_sample, q->heights ? measure_span : see_span, tell, q))
             atomic_store(&q->failed, true);
         atomic_fetch_add(&q->parts, 1);
@@ -193,8 +157,8 @@ static void sweep_parts(void *context, size_t begin, size_t end) {
 
 /* The observer's own sample, if the eye is right over it and it counts, is in no part. */
 static bool own_sample(const viewshed *v, size_t at[2]) {
-    const double x = v->sight.eye[0], y = v->sight.eye[1];
-    const terrain *t = v->terrain;
+    const double x = v->sight->eye[0], y = v->sight->eye[1];
+    const terrain *t = v->sight->terrain;
     if (x != floor(x) || y != floor(y) || !(x >= 0 && y >= 0 && x < (double)t->nx && y < (double)t->ny)) return false;
     at[0] = (size_t)x;
     at[1] = (size_t)y;
@@ -222,22 +186,54 @@ static cw_status sweep(const viewshed *v, const cw_run *run, cw_area area, const
     return CW_OK;
 }
 
-cw_status cw_viewshed_see(const viewshed *v, const cw_run *run, cw_area area, const cw_view *view) {
+cw_status cw_viewshed_from(const sight *from, double target, const sight_limits *limits, const cw_run *run,
+                           cw_area area, const cw_view *view) {
+    const terrain *t = from->terrain;
+    viewshed v = {.sight = from, .target = target, .most = INFINITY};
     cw_run how;
-    cw_status status = cw_area_begin(v->terrain, view, "view", run, &area, &how);
+    cw_status status = cw_area_begin(t, view, "view", run, &area, &how);
     if (status == CW_OK) status = cw_area_stride(&area);
     if (status == CW_OK) status = cw_check_reserved(view->reserved, 8, 0, "cw_view");
     if (status == CW_OK) status = cw_check_number("weight", view->weight, -DBL_MAX, DBL_MAX);
-    if (status == CW_OK && view->needed && v->desc.limits.has_verticals)
+    if (status == CW_OK && view->needed && limits->has_verticals)
         status = cw_fail(CW_ERROR_ARGUMENT, "needed: does not go with CW_OBSERVER_VERTICALS");
+    if (status == CW_OK && !cw_view_limits_init(&v.limits, from, limits))
+        status =
+            cw_fail(CW_ERROR_ARGUMENT, "nearest, farthest, azimuths, verticals: a number is none, or out of range");
     if (status != CW_OK) return status;
+    double cells = 0; /* that a metre is long at most */
+    for (int k = 0; k < 2; k++)
+        cells = fmax(cells, fabs(t->back[k][0]) / v.limits.metres[0] + fabs(t->back[k][1]) / v.limits.metres[1]);
+    if (limits->farthest > 0) v.most = limits->farthest * cells + 1;
     cw_view to = *view;
     if (to.weight == 0) to.weight = 1;
     const bool sees = to.seen || to.sum || to.angle;
     run_part first = {&how, 0, to.needed ? 0.5 : 1}, second = {&how, sees ? 0.5 : 0, 1};
     const cw_run one = cw_run_part_of(&first), other = cw_run_part_of(&second);
-    if (sees) status = sweep(v, &one, area, &to, false);
-    return status == CW_OK && to.needed ? sweep(v, &other, area, &to, true) : status;
+    if (sees) status = sweep(&v, &one, area, &to, false);
+    return status == CW_OK && to.needed ? sweep(&v, &other, area, &to, true) : status;
+}
+
+/* Samples are within it too, and the products of exact decisions stay far below overflow. */
+static const double most_height = 0x1p120;
+
+/* The observer's eye in field coordinates and the samples' numbers. */
+static cw_status find_eye(const terrain *t, const cw_observer *from, double eye[3]) {
+    if (!cw_terrain_find_place(t, from->x, from->y, eye))
+        return cw_fail(CW_ERROR_ARGUMENT, "x, y: (%.10g, %.10g) is too far away from the terrain", from->x, from->y);
+    const double ground = cw_terrain_height(t, eye[0], eye[1]), metres = terrain_metres_of_height(t);
+    const double height = from->absolute ? from->height : ground + from->height;
+    eye[2] = height / metres;
+    if (height < ground - CW_LEAST_DEPTH)
+        return cw_fail(CW_ERROR_ARGUMENT,
+                       "height: %.10g m is under the ground, which is %.10g m high at (%.10g, %.10g)", height, ground,
+                       from->x, from->y);
+    if (isnan(eye[2]))
+        return cw_fail(CW_ERROR_ARGUMENT, "x, y: there is no ground to stand on, or height is no number");
+    cw_status status = cw_check_number("height", eye[2], -most_height, most_height);
+    if (status == CW_OK) status = cw_check_number("target", from->target / metres, -most_height, most_height);
+    if (status == CW_OK) status = cw_check_number("curvature", from->curvature, 0, 1e9);
+    return status;
 }
 
 cw_status cw_viewshed(const cw_terrain *t, const cw_run *run, const cw_observer *from, cw_area area,
@@ -245,34 +241,23 @@ cw_status cw_viewshed(const cw_terrain *t, const cw_run *run, const cw_observer 
     const uint32_t flags = CW_OBSERVER_AZIMUTHS | CW_OBSERVER_VERTICALS;
     if (t == NULL || from == NULL || view == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", !t ? "terrain" : !from ? "from" : "view");
+    double eye[3];
     cw_status status = cw_check_reserved(from->reserved, 8, 0, "cw_observer");
     if (status == CW_OK) status = cw_check_number("absolute", from->absolute, 0, 1);
     if (status == CW_OK) status = cw_check_number("limits", from->limits, 0, flags);
-    if (status != CW_OK) return status;
-    viewshed_desc d = {.height = from->height,
-                       .absolute = from->absolute,
-                       .target_height = from->target,
-                       .curvature = from->curvature,
-                       .limits = {.nearest = from->nearest,
-                                  .farthest = from->farthest,
-                                  .has_sector = (from->limits & CW_OBSERVER_AZIMUTHS) != 0,
-                                  .azimuths = {from->azimuths[0], from->azimuths[1]},
-                                  .has_verticals = (from->limits & CW_OBSERVER_VERTICALS) != 0,
-                                  .verticals = {from->verticals[0], from->verticals[1]}}};
-    if (!cw_terrain_find_place(t, from->x, from->y, d.place))
-        return cw_fail(CW_ERROR_ARGUMENT, "x, y: (%.10g, %.10g) is too far away from the terrain", from->x, from->y);
-    const double ground = cw_terrain_height(t, d.place[0], d.place[1]);
-    const double height = from->absolute ? from->height : ground + from->height;
-    if (height < ground - CW_LEAST_DEPTH)
-        return cw_fail(CW_ERROR_ARGUMENT,
-                       "height: %.10g m is under the ground, which is %.10g m high at (%.10g, %.10g)", height, ground,
-                       from->x, from->y);
+    if (status == CW_OK) status = find_eye(t, from, eye);
     const sight_bounds *bounds;
-    viewshed *v = NULL;
-    status = cw_terrain_bounds(t, &bounds);
-    if (status == CW_OK) status = cw_viewshed_create(t, bounds, &d, &v);
-    if (status == CW_OK) status = cw_viewshed_see(v, run, area, view);
-    cw_viewshed_destroy(v);
+    if (status == CW_OK) status = cw_terrain_bounds(t, &bounds);
+    if (status != CW_OK) return status;
+    sight s;
+    cw_sight_init(&s, t, bounds, eye, from->curvature);
+    const sight_limits limits = {.nearest = from->nearest,
+                                 .farthest = from->farthest,
+                                 .has_sector = (from->limits & CW_OBSERVER_AZIMUTHS) != 0,
+                                 .azimuths = {from->azimuths[0], from->azimuths[1]},
+                                 .has_verticals = (from->limits & CW_OBSERVER_VERTICALS) != 0,
+                                 .verticals = {from->verticals[0], from->verticals[1]}};
+    status = cw_viewshed_from(&s, from->target / terrain_metres_of_height(t), &limits, run, area, view);
     cw_terrain_bounds_release(t, bounds);
     return status;
 }

@@ -6,23 +6,8 @@
 
 #include "view_limits.h"
 
-typedef struct viewshed_desc {
-    double place[2];      /* of the observer, in field coordinates; may lie outside the field */
-    double height;        /* of the eye in metres, above the ground, or absolute */
-    bool absolute;        /* must be, if the place is outside or over a hole */
-    double target_height; /* metres above the ground */
-    double curvature;     /* as cw_sight_init has it; not negative */
-    sight_limits limits;  /* of the target */
-} viewshed_desc;
-
-typedef struct viewshed viewshed;
-
-/* CW_ERROR_ARGUMENT if there is no ground at the place to stand on. Terrain and bounds must stay. */
-cw_status cw_viewshed_create(const terrain *t, const sight_bounds *bounds, const viewshed_desc *desc, viewshed **v);
-void cw_viewshed_destroy(viewshed *v);
-const sight *cw_viewshed_sight(const viewshed *v);
-
-/* As cw_viewshed. */
-cw_status cw_viewshed_see(const viewshed *v, const cw_run *run, cw_area area, const cw_view *view);
+/* What the eye of a sight sees, as cw_viewshed has it. The sight has bounds; target is a height in the samples' numbers. */
+cw_status cw_viewshed_from(const sight *from, double target, const sight_limits *limits, const cw_run *run,
+                           cw_area area, const cw_view *view);
 
 #endif
