@@ -11,7 +11,7 @@ from words import Program, fixture_of
 SOURCE = pathlib.Path(os.environ["CELLWALK_SOURCE"])
 HEADERS = "".join((SOURCE / "include" / name).read_text() for name in ("cellwalk.h", "cellwalk_expert.h", "cellwalk_terrain.h"))
 INSIDE = "".join((SOURCE / f"src/terrain/{name}.h").read_text() for name in (
-    "visible/visible", "sun/sun", "sun/insolation", "sight/sight", "sight/view_limits", "sight/viewshed", "sight/profile"))
+    "visible/visible", "sun/sun", "sun/insolation", "sight/sight", "sight/profile"))
 TYPES = {"int": "i4", "float": "f4", "double": "f8", "size_t": "u8", "uint8_t": "u1", "int32_t": "i4", "uint32_t": "u4", "uint64_t": "u8", "bool": "?"}
 STRUCTS, POINTERS = {}, set()  # name: a dtype, in which pointers are numbers; struct and member
 
@@ -314,9 +314,9 @@ class Lands(Library):
         eye = np.array([*place, (height if absolute else self.table("places", [[*place, 0]])[0, 7] + height) / self.up])
         bounds = int(self.well("cw_terrain_bounds", self.land_now, Room("u8"))[0])
         sight = self.call("cw_sight_init", Room(STRUCTS["sight"]), self.land_now, bounds, eye, float(curvature))[1]
-        limits = struct("sight_limits", farthest=farthest)
+        desc = struct("cw_observer", target=target, farthest=farthest)
         to = {"seen": np.zeros(self.z.shape, "u2"), "needed": np.zeros(self.z.shape, "f4")}
-        self.filled(to, lambda at: self.well("cw_viewshed_from", sight, target / self.up, limits, None, np.zeros(5, "u8"), struct("cw_view", **at)))
+        self.filled(to, lambda at: self.well("cw_viewshed_from", sight, desc, None, np.zeros(5, "u8"), struct("cw_view", **at)))
         self.call("cw_terrain_bounds_release", self.land_now, bounds)
         return to["seen"], to["needed"], sight["eye"][0], sight["fall"][0]
 

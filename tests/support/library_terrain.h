@@ -112,7 +112,7 @@ static void look_at_skyline(const terrain *t, const double *d, double *to) {
     X(cw_visible_add, status(cw_visible_add(P(0), P(1), P(2), N(3), N(4), (cw_visible_sums){P(5), P(6), P(7)})))       \
     X(cw_terrain_bounds, status(cw_terrain_bounds(P(0), P(1))))                                                        \
     X(cw_terrain_bounds_release, cw_terrain_bounds_release(P(0), P(1)))                                                \
-    X(cw_viewshed_from, status(cw_viewshed_from(P(0), D(1), P(2), P(3), AREA(4), P(5))))                                \
+    X(cw_viewshed_from, status(cw_viewshed_from(P(0), P(1), P(2), AREA(3), P(4))))                                     \
     X(cw_sight_init, cw_sight_init(P(0), P(1), P(2), P(3), D(4)))                                                      \
     X(cw_profile_make, status(cw_profile_make(P(0), P(1), D(2), D(3), D(4))))                                          \
     X(cw_profile_free, cw_profile_free(P(0)))                                                                          \

@@ -13,7 +13,7 @@ static bool init_sector(view_limits *l) {
     if (!(isfinite(a[0]) && isfinite(a[1]))) return false;
     double width = a[1] - a[0];
     if (width < 0) width = fmod(width, 360) + 360;
-    if (width >= 360) l->given.has_sector = a[1] < a[0]; /* a whole number of rounds back is no width */
+    if (width >= 360) l->has_sector = a[1] < a[0]; /* a whole number of rounds back is no width */
     if (width >= 360) width = 0;
     l->narrow = width < 180;
     for (int k = 0; k < 2; k++) cw_terrain_sine_cosine(a[k], &l->sector[k][0], &l->sector[k][1]);
@@ -31,13 +31,16 @@ static bool init_verticals(view_limits *l) {
     return true;
 }
 
-bool cw_view_limits_init(view_limits *l, const sight *s, const sight_limits *given) {
-    *l = (view_limits){.sight = s, .given = *given};
+bool cw_view_limits_init(view_limits *l, const sight *s, const cw_observer *given) {
+    *l = (view_limits){.sight = s,
+                       .given = *given,
+                       .has_sector = (given->limits & CW_OBSERVER_AZIMUTHS) != 0,
+                       .has_verticals = (given->limits & CW_OBSERVER_VERTICALS) != 0};
     cw_terrain_metres(s->terrain, s->eye[0], s->eye[1], l->metres);
     if (!(given->nearest >= 0 && given->farthest >= 0)) return false;
-    if (given->has_sector && !init_sector(l)) return false;
-    if (given->has_verticals && !init_verticals(l)) return false;
-    l->any = given->nearest > 0 || given->farthest > 0 || l->given.has_sector || given->has_verticals;
+    if (l->has_sector && !init_sector(l)) return false;
+    if (l->has_verticals && !init_verticals(l)) return false;
+    l->any = given->nearest > 0 || given->farthest > 0 || l->has_sector || l->has_verticals;
     return true;
 }
 
@@ -69,14 +72,14 @@ double cw_view_limits_angle(const view_limits *l, double i, double j, double ris
 
 bool cw_view_limits_have(const view_limits *l, double i, double j, double rise) {
     if (!l->any) return true;
-    const sight_limits *g = &l->given;
+    const cw_observer *g = &l->given;
     double step[2];
     cw_view_limits_step(l, i, j, step);
     const double square = step[0] * step[0] + step[1] * step[1];
     if (g->farthest > 0 && !(square <= g->farthest * g->farthest)) return false;
     if (!(square >= g->nearest * g->nearest)) return false;
-    if (g->has_sector && square > 0 && !is_in_sector(l, step, 0)) return false;
-    if (!g->has_verticals) return true;
+    if (l->has_sector && square > 0 && !is_in_sector(l, step, 0)) return false;
+    if (!l->has_verticals) return true;
     if (square == 0) {
         const double angle = cw_view_limits_angle(l, i, j, rise);
         return angle >= g->verticals[0] && angle <= g->verticals[1];
@@ -89,7 +92,7 @@ bool cw_view_limits_meet(const view_limits *l, const double a[2], const double b
     /* Directions are rounded by less than 2^-50 of them. */
     const double slack = 0x1p-40;
     double ends[2][2];
-    if (!l->given.has_sector) return true;
+    if (!l->has_sector) return true;
     turn_to_metres(l, a[0], a[1], ends[0]);
     turn_to_metres(l, b[0], b[1], ends[1]);
     if (is_in_sector(l, ends[0], slack) || is_in_sector(l, ends[1], slack)) return true;

@@ -6,19 +6,11 @@
 
 #include "sight.h"
 
-/* All zero: no limits. Each includes its ends. */
-typedef struct sight_limits {
-    double nearest, farthest; /* metres on the map; farthest 0: none */
-    bool has_sector;
-    double azimuths[2]; /* degrees: clockwise from the first to the second; all of them if that is 360 or more */
-    bool has_verticals;
-    double verticals[2]; /* degrees above the eye's horizontal, from -90 to 90 */
-} sight_limits;
-
 /* Limits made ready for one place. */
 typedef struct view_limits {
     bool any;
-    sight_limits given;
+    cw_observer given; /* of which its limits are used */
+    bool has_sector, has_verticals;
     const sight *sight;
     double metres[2];    /* in one of the map's x and y, at the place */
     double sector[2][2]; /* the two azimuths as east and north */
@@ -27,7 +19,7 @@ typedef struct view_limits {
 } view_limits;
 
 /* False if a number is none or out of range. */
-bool cw_view_limits_init(view_limits *l, const sight *s, const sight_limits *given);
+bool cw_view_limits_init(view_limits *l, const sight *s, const cw_observer *given);
 
 /* From the place to (i, j): metres east and north on the map. */
 void cw_view_limits_step(const view_limits *l, double i, double j, double step[2]);

@@ -186,25 +186,25 @@ static cw_status sweep(const viewshed *v, const cw_run *run, cw_area area, const
     return CW_OK;
 }
 
-cw_status cw_viewshed_from(const sight *from, double target, const sight_limits *limits, const cw_run *run,
-                           cw_area area, const cw_view *view) {
-    const terrain *t = from->terrain;
-    viewshed v = {.sight = from, .target = target, .most = INFINITY};
+cw_status cw_viewshed_from(const sight *s, const cw_observer *from, const cw_run *run, cw_area area,
+                           const cw_view *view) {
+    const terrain *t = s->terrain;
+    viewshed v = {.sight = s, .target = from->target / terrain_metres_of_height(t), .most = INFINITY};
     cw_run how;
     cw_status status = cw_area_begin(t, view, "view", run, &area, &how);
     if (status == CW_OK) status = cw_area_stride(&area);
     if (status == CW_OK) status = cw_check_reserved(view->reserved, 8, 0, "cw_view");
     if (status == CW_OK) status = cw_check_number("weight", view->weight, -DBL_MAX, DBL_MAX);
-    if (status == CW_OK && view->needed && limits->has_verticals)
+    if (status == CW_OK && view->needed && (from->limits & CW_OBSERVER_VERTICALS) != 0)
         status = cw_fail(CW_ERROR_ARGUMENT, "needed: does not go with CW_OBSERVER_VERTICALS");
-    if (status == CW_OK && !cw_view_limits_init(&v.limits, from, limits))
+    if (status == CW_OK && !cw_view_limits_init(&v.limits, s, from))
         status =
             cw_fail(CW_ERROR_ARGUMENT, "nearest, farthest, azimuths, verticals: a number is none, or out of range");
     if (status != CW_OK) return status;
     double cells = 0; /* that a metre is long at most */
     for (int k = 0; k < 2; k++)
         cells = fmax(cells, fabs(t->back[k][0]) / v.limits.metres[0] + fabs(t->back[k][1]) / v.limits.metres[1]);
-    if (limits->farthest > 0) v.most = limits->farthest * cells + 1;
+    if (from->farthest > 0) v.most = from->farthest * cells + 1;
     cw_view to = *view;
     if (to.weight == 0) to.weight = 1;
     const bool sees = to.seen || to.sum || to.angle;
@@ -251,13 +251,7 @@ cw_status cw_viewshed(const cw_terrain *t, const cw_run *run, const cw_observer 
     if (status != CW_OK) return status;
     sight s;
     cw_sight_init(&s, t, bounds, eye, from->curvature);
-    const sight_limits limits = {.nearest = from->nearest,
-                                 .farthest = from->farthest,
-                                 .has_sector = (from->limits & CW_OBSERVER_AZIMUTHS) != 0,
-                                 .azimuths = {from->azimuths[0], from->azimuths[1]},
-                                 .has_verticals = (from->limits & CW_OBSERVER_VERTICALS) != 0,
-                                 .verticals = {from->verticals[0], from->verticals[1]}};
-    status = cw_viewshed_from(&s, from->target / terrain_metres_of_height(t), &limits, run, area, view);
+    status = cw_viewshed_from(&s, from, run, area, view);
     cw_terrain_bounds_release(t, bounds);
     return status;
 }

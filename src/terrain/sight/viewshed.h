@@ -6,8 +6,8 @@
 
 #include "view_limits.h"
 
-/* What the eye of a sight sees, as cw_viewshed has it. The sight has bounds; target is a height in the samples' numbers. */
-cw_status cw_viewshed_from(const sight *from, double target, const sight_limits *limits, const cw_run *run,
-                           cw_area area, const cw_view *view);
+/* What the eye of a sight, which has bounds, sees: as cw_viewshed. Of the observer only its target and limits are used. */
+cw_status cw_viewshed_from(const sight *s, const cw_observer *from, const cw_run *run, cw_area area,
+                           const cw_view *view);
 
 #endif
