@@ -3,6 +3,9 @@
 
 #include <stdlib.h>
 
+/* Narrow edges are widened to whole parts, by half of one at least: where they stand, edges beside them meet but for rounding. */
+#define PART (SKYLINE_BLUR / 8)
+
 bool cw_skyline_init(skyline *s, double from, double until) {
     *s = (skyline){.room = 64, .cuts_room = 64, .count = 2, .from = from, .until = until};
     s->pieces = malloc(s->room * sizeof *s->pieces);
@@ -42,9 +45,24 @@ static bool make_room(skyline *s, size_t cuts) {
     return true;
 }
 
+static float rounded_up(double x) { return x > 0 ? (float)(x * (1 + 0x1p-22)) : 0; }
+
+/* Of two narrow edges in one part of the blur, neither has to be known by itself: looks see the whole part. Else all that were ever seen
+ * beside a strip would each keep a bit of it. */
+static void join(skyline_piece *to, const skyline_piece *p) {
+    const double one = to->a - (double)to->below, other = p->a - (double)p->below;
+    to->a = skyline_larger(to->a, p->a);
+    to->below = fmaxf(rounded_up(to->a - (one < other ? one : other)), fmaxf(to->below, p->below)); /* never 0 */
+    to->above = fmaxf(to->above, p->above);
+}
+
 /* One more cut, unless it goes on with the last one's line; a cut of no width gives way. */
 static inline size_t put(skyline_piece *cuts, size_t n, double from, const skyline_piece *p) {
     if (n > 0 && !(from > cuts[n - 1].from)) n--;
+    if (n > 0 && p->below > 0 && cuts[n - 1].below > 0 && floor(from / PART) == floor(cuts[n - 1].from / PART)) {
+        join(&cuts[n - 1], p);
+        return n;
+    }
     if (n > 0 && cuts[n - 1].a == p->a && cuts[n - 1].b == p->b && cuts[n - 1].below >= p->below) {
         if (p->above > cuts[n - 1].above) cuts[n - 1].above = p->above;
         return n;
@@ -95,8 +113,6 @@ static void put_in_place(skyline *s, uint32_t first, uint32_t last, size_t n) {
     leave_out(s, at, behind);
 }
 
-static float rounded_up(double x) { return x > 0 ? (float)(x * (1 + 0x1p-22)) : 0; }
-
 static void leave_room(skyline_piece *p, double above) {
     const float most = rounded_up(above);
     if (most > p->above) p->above = most;
@@ -109,10 +125,10 @@ void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const doubl
     const double from_w = turned ? other[1] : one[1], until_w = turned ? one[1] : other[1];
     skyline_piece edge = {.from = from};
     const bool narrow = until - from < SKYLINE_BLUR / 2;
-    if (narrow) { /* and a single place gets some width */
+    if (narrow) { /* in whole parts: in each of them the highest stays, not a bit of each */
         edge.a = from_w > until_w ? from_w : until_w;
-        from -= SKYLINE_BLUR / 8;
-        until += SKYLINE_BLUR / 8;
+        from = floor(from / PART - 0.5) * PART;
+        until = floor(until / PART + 1.5) * PART;
     } else {
         edge.b = (until_w - from_w) / (until - from);
         edge.a = from_w - edge.b * from;
