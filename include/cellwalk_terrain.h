@@ -105,7 +105,7 @@ typedef struct cw_light {
     double azimuth;       /* degrees */
     double altitude;      /* degrees, -90 to 90 */
     double radius;        /* of the disc, 0 to 10 degrees; 0: a point. The sun's is 0.2666. cw_shadow ignores it */
-    double curvature;     /* not negative */
+    double curvature;     /* 0 to 1e9 */
     uint32_t strips;      /* upright ones that the disc is cut into, up to 64; 0: 16 */
     uint32_t hillshade;   /* 1: times the cosine of the angle between light and normal; else 0. cw_shadow ignores it */
     uint64_t reserved[8]; /* 0 */
@@ -132,7 +132,7 @@ enum {
 typedef struct cw_horizon {
     double start;         /* azimuth of direction 0 in degrees; that of direction k is start + k 360 / count */
     double max_distance;  /* metres: terrain farther away does not count; 0: no limit */
-    double curvature;     /* not negative */
+    double curvature;     /* 0 to 1e9 */
     uint32_t count;       /* directions, up to 3600; 0: 32 */
     uint32_t flags;       /* CW_HORIZON_…, or 0. cw_horizon_angles ignores them */
     uint64_t reserved[8]; /* 0 */
@@ -233,7 +233,7 @@ typedef struct cw_visibility_desc {
     double height;        /* of the eye in metres above the sample, not negative */
     double target;        /* metres above the ground that must be seen, not negative */
     double max_distance;  /* metres: what is farther away does not count; 0: no limit */
-    double curvature;     /* not negative */
+    double curvature;     /* 0 to 1e9 */
     uint32_t directions;  /* up to 3600, azimuths 0, 360 / directions, …; 0: 128 */
     uint32_t every;       /* eyes at every so many columns and rows of the area, from its first ones on; 0: 1 */
     uint64_t reserved[8]; /* 0 */

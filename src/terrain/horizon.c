@@ -47,7 +47,7 @@ static cw_status check(const cw_horizon *d) {
     cw_status status = cw_check_reserved(d->reserved, 8, 0, "cw_horizon");
     if (status == CW_OK) status = cw_check_number("start", d->start, -0x1p40, 0x1p40);
     if (status == CW_OK) status = cw_check_number("max_distance", d->max_distance, 0, DBL_MAX);
-    if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, DBL_MAX);
+    if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, 1e9);
     if (status == CW_OK) status = cw_check_number("count", d->count, 0, COMPASS_MOST);
     return status;
 }

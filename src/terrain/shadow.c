@@ -7,7 +7,6 @@
 #include "compass.h"
 #include "normal.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -45,7 +44,7 @@ static cw_status check(const cw_light *d) {
     if (status == CW_OK) status = cw_check_number("azimuth", d->azimuth, -0x1p40, 0x1p40);
     if (status == CW_OK) status = cw_check_number("altitude", d->altitude, -90, 90);
     if (status == CW_OK) status = cw_check_number("radius", d->radius, 0, 10);
-    if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, DBL_MAX);
+    if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, 1e9);
     if (status == CW_OK) status = cw_check_number("strips", d->strips, 0, SUNLIGHT_STRIPS_MOST);
     if (status == CW_OK) status = cw_check_number("hillshade", d->hillshade, 0, 1);
     return status;

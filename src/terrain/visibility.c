@@ -125,7 +125,7 @@ static cw_status check(const cw_visibility_desc *d, const cw_visibility_answers 
     if (status == CW_OK) status = cw_check_number("height", d->height, 0, (double)CW_HEIGHT_MAX * up);
     if (status == CW_OK) status = cw_check_number("target", d->target, 0, (double)CW_HEIGHT_MAX * up);
     if (status == CW_OK) status = cw_check_number("max_distance", d->max_distance, 0, DBL_MAX);
-    if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, DBL_MAX);
+    if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, 1e9);
     if (status == CW_OK) status = cw_check_number("directions", d->directions, 0, DIRECTIONS_MOST);
     if (status == CW_OK) status = cw_check_number("every", d->every, 0, CW_SIDE_MAX);
     return status;
