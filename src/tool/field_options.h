@@ -39,14 +39,13 @@ int field_options_parse(field_options *f, const options_usage *usage, field_quer
 
 #define FIELD_FILE_HELP                                                                                                \
     "FIELD is a height field: a NumPy array (.npy: two-dimensional, float32, float64, int16 or uint16), or any other " \
-    "raster that GDAL reads (GeoTIFF, ASCII grid, .hgt, VRT, PGM, ...). Sample [j, i] stands at x = i, y = j of "      \
-    "field "                                                                                                           \
-    "space; NaN, infinity and missing data are holes.\n"
+    "raster that GDAL reads (GeoTIFF, ASCII grid, .hgt, VRT, PGM, ...). Sample [j, i] stands at x = i, y = j in "      \
+    "field space; NaN, infinity and missing data are holes.\n"
 
 /* What --coarser gains and costs, by papers/tradeoff.md. */
 #define FIELD_TRADE                                                                                                    \
     "To save time, measured on rough terrain of 4097 x 4097 samples (papers/tradeoff.md of the sources): --coarser 2 " \
-    "makes rays 1.5 times as fast, with half of all distances off by at most 0.02 % (99 % by 0.6 %), --coarser 8 3.2 " \
+    "makes rays 1.3 times as fast, with half of all distances off by at most 0.02 % (99 % by 0.6 %), --coarser 8 2.4 " \
     "times and 0.12 % (3.9 %)."
 
 #endif

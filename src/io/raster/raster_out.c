@@ -112,7 +112,7 @@ static const struct io_raster_sink *sink_of(const char *path) {
 
 bool io_raster_is_tif(const char *path) { return sink_of(path) == &sinks[TIF]; }
 
-bool io_raster_is_name(const char *path) { return sink_of(path) != NULL; }
+bool io_raster_is_name(const char *path) { return sink_of(path) != NULL || io_name_ends(path, ".asc"); }
 
 bool io_raster_is_png(const char *path) { return sink_of(path) == &sinks[PNG]; }
 

@@ -222,7 +222,7 @@ class Light(Products):
         how = {**light, "radius": disc, "curvature": finite(curvature, "curvature", 0), "hillshade": bool(hillshade)}
         share = disc > 0 or bool(hillshade)
         if light["altitude"] <= 0:
-            warn(f"altitude: the sun is at {light['altitude']:.3f} degrees, below the horizon")
+            warn(f"altitude: the sun is at {light['altitude']:.3f} degrees, not above the horizon")
         attrs = {"long_name": "sunlight", **light, **({} if share else {"_FillValue": np.uint8(255)})}
         dtype, which = (np.float32, "sunlight") if share else (np.uint8, "shadow")
         return self._product(Plan("shadow", _fill, how, "shadow", attrs, dtype, inputs=(which,)), progress)

@@ -31,10 +31,11 @@ bool option_isa_environment(const char *name) {
 }
 
 bool option_isa_limit(const char *name, cw_isa isa) {
+    const cw_isa most = cw_isa_best();
     cw_isa_limit(isa);
     return cw_isa_best() == isa ||
            command_refuse(name, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s", cw_isa_name(isa),
-                          cw_isa_name(cw_isa_best()));
+                          cw_isa_name(most));
 }
 
 /* ---- help ---- */

@@ -52,7 +52,7 @@ static bool begin(product *p, io_error *error) {
     sun->radius = c->usual_disc ? SUN_RADIUS : 0;
     if (!find_sun(c, error)) return false;
     if (c->disc > 0) sun->radius = c->disc;
-    if (sun->altitude <= 0) command_warn(name, "the sun is at %.3f degrees, below the horizon", sun->altitude);
+    if (sun->altitude <= 0) command_warn(name, "the sun is at %.3f degrees, not above the horizon", sun->altitude);
     c->share = sun->radius > 0 || sun->hillshade;
     product_describe(p, c->share ? IO_CELL_FLOAT32 : IO_CELL_UINT8, 1,
                      !c->share         ? "1 where the sun is seen, 0 in the shadow"

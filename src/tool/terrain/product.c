@@ -23,8 +23,8 @@ static void add_rows(product *p, option_spec *to) {
                     "only the samples in that part of the map, in its coordinates; values are those of the whole "
                     "raster, of which only the parts needed are read"),
         option_text("memory", "SIZE", &p->memory,
-                    "limit on memory in bytes, as 2G or 500M: rasters and products that need more are made by bands of "
-                    "rows (default: three quarters of the machine's memory)"),
+                    "limit on memory in bytes, as 2G or 500M: what needs more is made by bands of rows, or refused "
+                    "where all of it matters at once (default: three quarters of the machine's memory)"),
         option_output("FILE", &p->output,
                       "the raster to write: .tif (GeoTIFF), .npy (NumPy array) or .png (a picture over the terrain's "
                       "relief, with a world file .pgw if that has a map)"),

@@ -109,7 +109,7 @@ static void shine(const view *v, landscape_desc *d) {
     memcpy(d->sun, sun, sizeof sun);
     d->sun_light = v->sun_at[1] > 0 ? sun_light : 0;
     d->sky_light = sky_light;
-    if (v->sun_at[1] <= 0) command_warn("render", "the sun is at %g degrees, below the horizon", v->sun_at[1]);
+    if (v->sun_at[1] <= 0) command_warn("render", "the sun is at %g degrees, not above the horizon", v->sun_at[1]);
     memcpy(d->horizon, horizon, sizeof horizon);
     memcpy(d->above, above, sizeof above);
     memcpy(d->plain, plain, sizeof plain);
