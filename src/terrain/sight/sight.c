@@ -75,10 +75,11 @@ static double bound_between(const way *w, double a, double b, int level) {
     const double y0 = way_at(w->place[1], w->step[1], a), y1 = way_at(w->place[1], w->step[1], b);
     const double most_x = (double)(s->terrain->nx - 1), most_y = (double)(s->terrain->ny - 1);
     /* Samples on either side of the way, and one more for rounding. */
-    const double left = clamped(whole_below(x0 < x1 ? x0 : x1) - 1, 0, most_x),
-                 right = clamped(whole_above(x0 < x1 ? x1 : x0) + 1, 0, most_x);
-    const double top = clamped(whole_below(y0 < y1 ? y0 : y1) - 1, 0, most_y),
-                 bottom = clamped(whole_above(y0 < y1 ? y1 : y0) + 1, 0, most_y);
+    const double first_x = whole_below(x0 < x1 ? x0 : x1) - 1, last_x = whole_above(x0 < x1 ? x1 : x0) + 1;
+    const double first_y = whole_below(y0 < y1 ? y0 : y1) - 1, last_y = whole_above(y0 < y1 ? y1 : y0) + 1;
+    if (last_x < 0 || first_x > most_x || last_y < 0 || first_y > most_y) return -INFINITY; /* there are none */
+    const double left = clamped(first_x, 0, most_x), right = clamped(last_x, 0, most_x);
+    const double top = clamped(first_y, 0, most_y), bottom = clamped(last_y, 0, most_y);
     const int shift = SIGHT_FIRST_SHIFT + 2 * level;
     const size_t across = bounds->across[level], down = bounds->down[level];
     size_t u0 = (size_t)left >> shift, u1 = (size_t)right >> shift, v0 = (size_t)top >> shift,
