@@ -3,7 +3,7 @@
 """Tables, sentences and charts of README.md and papers/*.md from the results in papers/data. A block in a page is its own query:
 
 <!-- table file=release where="isa == 'avx512'" rows=item cols=field value="faster('embree', 'default')" --> … <!-- end -->
-<!-- list file=terrain where="kind == 'time'" cols="program|program; side|side; seconds|dur(wall_seconds)" --> … <!-- end -->
+<!-- list file=terrain where="kind == 'time'" cols="program|program; product|product; seconds|dur(wall_seconds)" --> … <!-- end -->
 <!-- text file=release
 Sentences with {expressions} in braces. --> … <!-- end -->
 <!-- chart speed-1025 kind=bars file=release … -->        draws pictures/speed-1025.svg (charts.py)

@@ -101,7 +101,7 @@ def timed(about, side, costs):
     """The line of a program: the least of several times, and the most memory."""
     program, product, part, whole = about
     (wall, cpu, _), kilobytes = np.min(costs, 0), np.max(costs, 0)[2]
-    return {"kind": "time", "program": program, "product": product, "side": side, "part": part, "whole": whole,
+    return {"kind": "time", "program": program, "product": f"{product}, {side}²", "part": part, "whole": whole,
             "wall_seconds": wall, "cpu_seconds": cpu, "kilobytes": kilobytes}
 
 
@@ -217,13 +217,15 @@ def measure(tool, side, rounds, folder):
     write_dem(z, dem)
     x, y = WEST + CELL * (side // 2 + 0.5), NORTH - CELL * (side // 2 + 0.5)
     out = lambda name: os.path.join(folder, f"{name}{side}.tif")  # noqa: E731
-    view = [tool, "viewshed", dem + ".tif", "--from", f"{x},{y},2", "--threads", "1"]
-    gdal = ["gdal_viewshed", "-q", "-ox", str(x), "-oy", str(y), "-oz", "2", "-md", "0", "-cc", str(K), dem + ".tif"]
-    ours, whole = "cellwalk, 1 thread", "horizon, 32 directions"
-    runs = [(ours, "viewshed", 1, 1, [*view, "-o", out("view")]), ("gdal_viewshed", "viewshed", 1, 1, [*gdal, out("gdal")]),
-            (ours, "viewshed --needed", 1, 1, [*view, "--needed", "-o", out("needed")]),
-            ("gdal_viewshed -om DEM", "viewshed --needed", 1, 1, [*gdal[:2], "-om", "DEM", *gdal[2:], out("gdalneeded")]),
-            (ours, "shadow", 1, 1, [tool, "shadow", dem + ".tif", "--sun", "225,20", "--threads", "1", "-o", out("shadow")])]
+    ours, whole = "cellwalk", "horizon, 32 directions"
+    runs = [(ours, "shadow", 1, 1, [tool, "shadow", dem + ".tif", "--sun", "225,20", "--threads", "1", "-o", out("shadow")])]
+    for height, of in ((2, ""), *(((100, "100"), (5000, "5000")) if side > 1025 else ())):
+        view = [tool, "viewshed", dem + ".tif", "--from", f"{x},{y},{height}", "--threads", "1", "-o"]
+        gdal = ["gdal_viewshed", "-q", "-ox", str(x), "-oy", str(y), "-oz", str(height), "-md", "0", "-cc", str(K), dem + ".tif"]
+        runs += [(ours, f"viewshed, {height} m", 1, 1, [*view, out("view" + of)]),
+                 ("GDAL", f"viewshed, {height} m", 1, 1, [*gdal, out("gdal" + of)]),
+                 (ours, f"viewshed --needed, {height} m", 1, 1, [*view, out("needed" + of), "--needed"]),
+                 ("GDAL", f"viewshed --needed, {height} m", 1, 1, [*gdal, "-om", "DEM", out("gdalneeded" + of)])]
     if side <= 1025:
         runs.append((ours, whole, 32, 32, [tool, "horizon", dem + ".tif", "--threads", "1", "-o", out("horizon")]))
     lines, rng = run_all(runs, side, rounds, folder), np.random.default_rng(1)
@@ -232,11 +234,11 @@ def measure(tool, side, rounds, folder):
     lines += compare_views(z, eye, seen, read(out("gdal")), "gdal_viewshed", rng)
     lines += compare_needed(z, side, out)
     if side <= 1025 and shutil.which("grass"):
-        lines.append(grass_timed(("r.viewshed", "viewshed", 1, 1), side, dem + ".tif",
+        lines.append(grass_timed(("GRASS", "viewshed, 2 m", 1, 1), side, dem + ".tif",
                                  f"r.viewshed --q -b -c -r input=dem output=v coordinates={x},{y} observer_elevation=2 memory=2000",
                                  ("v", out("grass")), folder))
         lines += compare_views(z, eye, seen, read(out("grass")), "r.viewshed", rng)
-        lines.append(grass_timed(("r.horizon", whole, 2, 32), side, dem + ".tif",
+        lines.append(grass_timed(("GRASS", whole, 2, 32), side, dem + ".tif",
                                  "r.horizon --q -d elevation=dem step=180 start=30 output=h", ("h_030", out("grassh")), folder))
         subprocess.run([tool, "horizon", dem + ".tif", "--directions", "1", "--start", "60", "-o", out("one")], check=True)
         lines += compare_horizons(z, read(out("one")), read(out("grassh")), 60, rng)
