@@ -132,8 +132,8 @@ int program_main(const program *p, int argc, char **argv) {
     running = p->name;
     const int status = run(p, argc, argv);
     /* A failure to print counts as much as a failure to write a file. */
-    const bool before = ferror(stdout) != 0; /* of which errno no longer tells the reason */
-    if ((fflush(stdout) == 0 && !before) || status != EXIT_SUCCESS) return status;
-    fprintf(stderr, "%s: cannot write to standard output: %s\n", p->name, before ? "text is lost" : strerror(errno));
+    const bool flushed = fflush(stdout) == 0; /* if an earlier one was not, errno no longer tells why */
+    if ((flushed && !ferror(stdout)) || status != EXIT_SUCCESS) return status;
+    fprintf(stderr, "%s: cannot write to standard output: %s\n", p->name, flushed ? "text is lost" : strerror(errno));
     return EXIT_FAILURE;
 }
