@@ -3,7 +3,8 @@
 
 #include <stdlib.h>
 
-/* Narrow edges are widened to whole parts, by half of one at least: where they stand, edges beside them meet but for rounding. */
+/* Narrow edges are widened to whole parts, by half of one at least on each side: other edges end where they stand, and rounding leaves a
+ * gap between these. */
 #define PART (SKYLINE_BLUR / 8)
 
 bool cw_skyline_init(skyline *s, double from, double until) {
@@ -47,8 +48,8 @@ static bool make_room(skyline *s, size_t cuts) {
 
 static float rounded_up(double x) { return x > 0 ? (float)(x * (1 + 0x1p-22)) : 0; }
 
-/* Of two narrow edges in one part of the blur, neither has to be known by itself: looks see the whole part. Else all that were ever seen
- * beside a strip would each keep a bit of it. */
+/* Two narrow edges in one part become one piece: a look that sees one sees the other, but at the ends of its reach. Kept apart, all that
+ * were ever seen beside a strip would stay. */
 static void join(skyline_piece *to, const skyline_piece *p) {
     const double one = to->a - (double)to->below, other = p->a - (double)p->below;
     to->a = skyline_larger(to->a, p->a);

@@ -7,8 +7,7 @@
  * lowest and the highest of them. Pieces also keep how much higher an edge may be that was left out by rounding. Edges
  * narrower than half of that would be too steep for lines: they become level pieces as high as their higher end, which say
  * how far below the truth may be. These fill whole eighths of SKYLINE_BLUR, and those in one eighth are joined. Otherwise each edge
- * beside a strip would keep a bit of it, and looks would see thousands.
- */
+ * beside a strip would keep a bit of it, and looks would see thousands. */
 #ifndef CELLWALK_TERRAIN_SKYLINE_H
 #define CELLWALK_TERRAIN_SKYLINE_H
 

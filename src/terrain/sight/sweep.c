@@ -220,7 +220,7 @@ static uint32_t start_before(const sweep_part *p, size_t b) {
 /* The range of the skyline is what this row and those behind it can need: the part's, and less where the ends of the rows come nearer to
  * the direction ahead. Else all that was seen beside a strip would stay, and be walked along for each row. */
 static void narrow(sweep_part *p, double r) {
-    static const double beside = 1.25 * SKYLINE_BLUR; /* looks reach as far, with the eighth that narrow edges gain */
+    static const double beside = 1.25 * SKYLINE_BLUR; /* looks reach one, and narrow edges gain 3/16 */
     const double one = -p->aside / r, other = ((double)p->length - 1 - p->aside) / r;
     p->line.from = (one <= 0 ? skyline_larger(one, p->from) : p->from) - beside;
     p->line.until = (other >= 0 && other < p->until ? other : p->until) + beside;
