@@ -5,6 +5,7 @@
 
 #include "cpus.h"
 #include "error.h"
+#include "fpenv.h"
 #include "process.h"
 #include "run.h"
 
@@ -50,7 +51,9 @@ static size_t piece(const pool_job *j, size_t left) {
     return count < left ? count : left;
 }
 
+/* In the default environment, as a helper has that of the thread that made it. */
 static void take_pieces(pool_job *j) {
+    FPENV_HERE;
     size_t begin = atomic_load_explicit(&j->next, memory_order_relaxed);
     while (begin < j->n) {
         const size_t end = begin + piece(j, j->n - begin);

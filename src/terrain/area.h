@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How public functions of the room begin: what all of them check. */
+/* How public functions of this library begin: what all of them check. */
 #ifndef CELLWALK_TERRAIN_AREA_H
 #define CELLWALK_TERRAIN_AREA_H
 
@@ -15,6 +15,12 @@ cw_status cw_check_number(const char *name, double value, double least, double m
 /* Fails unless both pointers are there, and the area is a part of the terrain. All of it if it is empty. *how becomes *run. */
 cw_status cw_area_begin(const terrain *t, const void *desc, const char *name, const cw_run *run, cw_area *area,
                         cw_run *how);
+
+/* As cw_field_enter. A terrain of samples alone has no updates. */
+static inline bool cw_terrain_enter(const terrain *t, door_pass *in) {
+    *in = (door_pass){NULL, 0, false};
+    return t->field == NULL || cw_field_enter(t->field, in);
+}
 
 /* Sets a stride of 0; fails with one that is too small. */
 cw_status cw_area_stride(cw_area *area);

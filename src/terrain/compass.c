@@ -3,6 +3,7 @@
 
 #include "area.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +52,7 @@ cw_status cw_compass_look(compass *c, size_t k, compass_way *way) {
     way->slope = metres / t->map[2][2];
     /* The ground d metres away is lower by curvature d² / 2 R; dir is `metres` metres long. */
     const cw_heading_desc desc = {.dir = {way->dir[0], way->dir[1]},
-                                  .reach = c->reach / metres,
+                                  .reach = c->reach > 0 ? fmin(fmax(c->reach / metres, DBL_MIN), 0x1p30) : 0,
                                   .drop = c->curvature * metres * metres / (2 * t->radius * t->map[2][2])};
     const cw_status status = c->headings[k] ? CW_OK : cw_heading_create(t->field, &desc, &c->headings[k]);
     way->heading = c->headings[k];

@@ -25,7 +25,7 @@ typedef struct compass {
 cw_status cw_compass_create(compass *c, const terrain *t, size_t count, double reach, double curvature);
 void cw_compass_destroy(compass *c);
 
-/* A heading for the present rows. The tangent of an angle, times slope, is the rise that it knows. */
+/* A heading for the present rows. Its rises are slope times the tangent of an angle. */
 typedef struct compass_way {
     cw_heading *heading;
     double dir[2], length; /* a step of it in cells, and in metres */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Terrains of fields, and what they keep. */
 #include "area.h"
+#include "fpenv.h"
 #include "samples.h"
 #include "sight.h"
 
@@ -23,7 +24,7 @@ cw_status cw_terrain_bounds(const terrain *t, const sight_bounds **bounds) {
     *bounds = t->bounds ? t->bounds : there;
     if (*bounds) return CW_OK;
     const cw_status status = cw_sight_bounds_create(t, &made);
-    if (status != CW_OK) return cw_fail_plainly(status);
+    if (status != CW_OK) return status;
     *bounds = made;
     if (t->own == NULL || atomic_compare_exchange_strong(&t->own->bounds, &there, made)) return CW_OK;
     cw_sight_bounds_destroy(made);
@@ -62,6 +63,7 @@ static cw_status check(const cw_terrain_desc *d, double map[3][4]) {
 }
 
 cw_status cw_terrain_create(const cw_terrain_desc *desc, const cw_run *run, cw_terrain **out) {
+    FPENV_HERE;
     if (out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "terrain: NULL");
     *out = NULL;
     if (desc == NULL) return cw_fail(CW_ERROR_ARGUMENT, "desc: NULL");

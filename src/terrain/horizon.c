@@ -3,6 +3,7 @@
 
 #include "area.h"
 #include "compass.h"
+#include "fpenv.h"
 #include "normal.h"
 #include "sight.h"
 
@@ -32,7 +33,10 @@ static cw_status turn_over(horizon *h, const cw_run *run) {
     const terrain *t = h->terrain;
     h->turned = malloc(t->nx * t->ny * sizeof *h->turned);
     if (h->turned == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
+    door_pass in;
+    if (!cw_terrain_enter(t, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
     for (size_t k = 0; k < t->nx * t->ny; k++) h->turned[k] = -terrain_row(t, k / t->nx)[k % t->nx];
+    cw_field_leave(in);
     const cw_field_desc desc = {.samples = h->turned, .nx = t->nx, .ny = t->ny, .storage = CW_BORROW};
     const cw_status status = cw_field_create(&desc, &(cw_run){.pool = run->pool}, &h->field);
     h->under = *t;
@@ -59,6 +63,7 @@ static void fill_azimuths(const cw_horizon *d, double *azimuths) {
 }
 
 cw_status cw_horizon_azimuths(const cw_terrain *t, const cw_horizon *desc, double *azimuths) {
+    FPENV_HERE;
     if (t == NULL || desc == NULL || azimuths == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", !t ? "terrain" : !desc ? "horizon" : "azimuths");
     const cw_status status = check(desc);
@@ -66,7 +71,7 @@ cw_status cw_horizon_azimuths(const cw_terrain *t, const cw_horizon *desc, doubl
     return status;
 }
 
-/* Of a terrain that may be the one upside down. */
+/* Of h->terrain, which turn_over may have replaced. */
 static cw_status make_compass(horizon *h) {
     const cw_horizon *d = &h->desc;
     const cw_status status = cw_compass_create(&h->compass, h->terrain, count_of(d), d->max_distance, d->curvature);
@@ -142,13 +147,20 @@ static cw_status fill_angles(void *context, const cw_run *run, cw_rectangle at, 
     cw_status status = cw_compass_look(&h->compass, h->number, &way);
     if (status == CW_OK) status = cw_heading_steepest(way.heading, &some, -INFINITY, INFINITY, at, to);
     if (status != CW_OK) return status;
-    if (h->bounds) return cw_run_work(&far, at.nx * at.ny, FEW, FEW, locate_some, &(locating){h, at, &way, to});
+    if (h->bounds) {
+        door_pass in;
+        if (!cw_terrain_enter(h->terrain, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
+        status = cw_run_work(&far, at.nx * at.ny, FEW, FEW, locate_some, &(locating){h, at, &way, to});
+        cw_field_leave(in);
+        return status;
+    }
     cw_pool_run(run->pool, at.nx * at.ny, GRAIN, to_degrees, &(turning){to, (float)(1 / way.slope)});
     return CW_OK;
 }
 
 cw_status cw_horizon_angles(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, uint32_t number,
                             cw_area area, float *degrees, float *metres) {
+    FPENV_HERE;
     cw_run how;
     cw_status status = cw_area_begin(t, desc, "horizon", run, &area, &how);
     if (status == CW_OK) status = check(desc);
@@ -262,6 +274,7 @@ static cw_status fill_sum(void *context, const cw_run *run, cw_rectangle at, voi
 
 static cw_status make_sum(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, cw_area area, bool opens,
                           float *to, const char *name) {
+    FPENV_HERE;
     cw_run how;
     cw_status status = cw_area_begin(t, desc, "horizon", run, &area, &how);
     if (status == CW_OK) status = check(desc);

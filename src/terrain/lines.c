@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Lines of sight between any places, each decided on its own. */
 #include "area.h"
+#include "fpenv.h"
 #include "sight.h"
 
 #include <math.h>
@@ -43,7 +44,7 @@ static cw_sight_answer look_along(const looking *l, const cw_sight *line) {
     if (!(block < INFINITY)) return a;
     a.state = CW_SIGHT_BLOCKED;
     for (int c = 0; c < 2; c++) a.blocked[c] = xy[0][c] + block * (xy[1][c] - xy[0][c]);
-    /* The line bends up against the lowered surface by as much as that is lowered. */
+    /* Heights here are lowered by curvature; that is taken back. */
     const double bend = sight_fall(&s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
     a.blocked[2] = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
     a.distance = block * a.metres;
@@ -57,6 +58,7 @@ static void look_along_some(void *context, size_t begin, size_t end) {
 
 cw_status cw_lines_of_sight(const cw_terrain *t, const cw_run *run, double curvature, const cw_sight *lines, size_t n,
                             cw_sight_answer *answers) {
+    FPENV_HERE;
     enum { FEW = 64 };
     cw_run how;
     cw_area all = {0};
@@ -70,5 +72,9 @@ cw_status cw_lines_of_sight(const cw_terrain *t, const cw_run *run, double curva
                         lines[k].absolute, lines[k].zero, k);
     if (status != CW_OK) return status;
     looking l = {t, lines, answers, curvature};
-    return cw_run_work(&how, n, FEW, FEW, look_along_some, &l);
+    door_pass in;
+    if (!cw_terrain_enter(t, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
+    status = cw_run_work(&how, n, FEW, FEW, look_along_some, &l);
+    cw_field_leave(in);
+    return status;
 }

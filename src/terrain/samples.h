@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The samples of a field, which has them: they are not held twice. And when a place on a ray is a sample's. */
+/* Access to a field's samples without a copy, and the rounding within which a place on a ray is a sample's. */
 #ifndef CELLWALK_TERRAIN_SAMPLES_H
 #define CELLWALK_TERRAIN_SAMPLES_H
 

@@ -5,6 +5,7 @@
 
 #include "area.h"
 #include "compass.h"
+#include "fpenv.h"
 #include "normal.h"
 
 #include <math.h>
@@ -132,7 +133,7 @@ static void shade(void *context, size_t begin, size_t end) {
     }
 }
 
-/* room: of a float a sample, or for the normals two. */
+/* room: of two floats a sample. */
 static cw_status fill_share(void *context, const cw_run *run, cw_rectangle at, void *to, void *room) {
     enum { GRAIN = 1 << 14 };
     sunlight *s = context;
@@ -167,14 +168,15 @@ static cw_status fill_lit(void *context, const cw_run *run, cw_rectangle at, voi
 }
 
 static cw_status make(const cw_terrain *t, const cw_run *run, const cw_light *light, cw_area area, size_t bytes,
-                      size_t floats, compass_fill *fill, void *out, const char *name) {
+                      compass_fill *fill, void *out, const char *name) {
+    FPENV_HERE;
     sunlight s;
     cw_run how;
     cw_status status = cw_area_begin(t, light, "light", run, &area, &how);
     if (status != CW_OK) return status;
     status = create(&s, t, light);
     if (status == CW_OK)
-        status = cw_compass_make(&s.compass, area, &how, bytes, floats * sizeof(float), fill, &s, out, name);
+        status = cw_compass_make(&s.compass, area, &how, bytes, 2 * sizeof(float), fill, &s, out, name);
     cw_compass_destroy(&s.compass);
     return status;
 }
@@ -183,9 +185,9 @@ cw_status cw_shadow(const cw_terrain *t, const cw_run *run, const cw_light *ligh
     cw_light point;
     if (light) point = *light;
     if (light) point.radius = point.hillshade = 0;
-    return make(t, run, light ? &point : NULL, area, sizeof *lit, 2, fill_lit, lit, "lit");
+    return make(t, run, light ? &point : NULL, area, sizeof *lit, fill_lit, lit, "lit");
 }
 
 cw_status cw_sunlight(const cw_terrain *t, const cw_run *run, const cw_light *light, cw_area area, float *share) {
-    return make(t, run, light, area, sizeof *share, 2, fill_share, share, "share");
+    return make(t, run, light, area, sizeof *share, fill_share, share, "share");
 }

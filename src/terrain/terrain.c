@@ -112,8 +112,6 @@ size_t cw_terrain_rows_alike(const terrain *t, size_t row) {
     return rows;
 }
 
-bool cw_terrain_is_in_reach(double x, double y) { return fabs(x) <= 0x1p24 && fabs(y) <= 0x1p24; }
-
 /* Moves a place to the sample that is within a millimetre of it on the ground; of cells of some millimetres, within a part
  * of them that no place is written for. */
 static void snap_to_sample(const terrain *whole, double at[2]) {
@@ -131,7 +129,7 @@ bool cw_terrain_find_place(const terrain *t, double x, double y, double at[2]) {
     const terrain *whole = terrain_whole(t);
     double slack[2];
     terrain_from_map(whole, x, y, at);
-    const bool near = cw_terrain_is_in_reach(at[0], at[1]);
+    const bool near = fabs(at[0]) <= 0x1p24 && fabs(at[1]) <= 0x1p24; /* lines of sight can be computed */
     for (int c = 0; c < 2 && near; c++) {
         /* The coordinates and the map's numbers are off by half a last digit each, and so are products and sums of them. */
         const double *b = whole->back[c];

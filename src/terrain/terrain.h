@@ -81,9 +81,6 @@ static inline const terrain *terrain_whole(const terrain *t) { return t->whole ?
  * 0.003 degrees: all of them, unless scales differ from row to row. */
 size_t cw_terrain_rows_alike(const terrain *t, size_t row);
 
-/* False if a place in field coordinates is farther from the field than lines of sight can be computed. */
-bool cw_terrain_is_in_reach(double x, double y);
-
 /* Where a place of the map lies, in field coordinates; false if that is not in reach. Places of the map that are
  * computed from a file's numbers are off by some last digits. One that is on a line of samples or on a diagonal but
  * for that shall be on it, so all are rounded. That moves nothing by more than 2^-28 of a cell or, where cells are so

@@ -142,11 +142,9 @@ static cw_status find(finding *f, const cw_run *run, const cw_visibility_answers
         f->azimuth = f->farthest + n;
         for (size_t k = 0; k < n; k++) f->azimuth[k] = NAN;
     }
-    const fpenv caller = fpenv_enter();
     cw_status status = cw_visible_create(f->terrain->field, f->at, f->every, &f->view);
     if (status == CW_OK) status = add_directions(f, run);
     if (status == CW_OK) write_answers(f, to, stride);
-    fpenv_leave(caller);
     cw_visible_destroy(f->view);
     free(sums);
     return status;
@@ -154,6 +152,7 @@ static cw_status find(finding *f, const cw_run *run, const cw_visibility_answers
 
 cw_status cw_visibility(const cw_terrain *t, const cw_run *run, const cw_visibility_desc *desc, cw_area area,
                         const cw_visibility_answers *answers) {
+    FPENV_HERE;
     cw_run how;
     cw_status status = cw_area_begin(t, desc, "desc", run, &area, &how);
     if (status == CW_OK) status = check(desc, answers, terrain_metres_of_height(t));

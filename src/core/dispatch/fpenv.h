@@ -46,4 +46,8 @@ static inline fpenv fpenv_enter(void) {
 static inline void fpenv_leave(fpenv caller) { fesetenv(&caller); }
 #endif
 
+/* The default environment until the block ends in which this stands. */
+static inline void fpenv_restore(const fpenv *caller) { fpenv_leave(*caller); }
+#define FPENV_HERE const fpenv fpenv_caller __attribute__((cleanup(fpenv_restore))) = fpenv_enter()
+
 #endif

@@ -66,7 +66,7 @@ static void average_row(const maker *m, size_t j, double *restrict sum, double *
             there += w * (holes ? weight[x] : all);
             possible += w * all;
         }
-        /* Weights are whole numbers, and their sums exact. */
+        /* Weights are whole numbers, up to factor 9741 with exact sums. */
         m->z[j * m->nx + i] = 2 * there >= possible ? (float)(height / there) : NAN;
     }
 }

@@ -167,10 +167,8 @@ reach_sunward cw_reach_toward(const terrain *whole, const cw_light *light, cw_re
     reach_sunward s = {.cells = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}}};
     const double lowest = light->altitude - light->radius;
     cw_terrain_sine_cosine(fmax(lowest, -90), &sine, &cosine);
-    s.tangent = lowest >= 90 ? INFINITY : sine / cosine;
     /* Rises are floats. */
-    s.tangent -= 0x1p-20 * fabs(s.tangent);
-    if (lowest >= 90) s.tangent = INFINITY;
+    s.tangent = lowest >= 90 ? INFINITY : sine / cosine - 0x1p-20 * fabs(sine / cosine);
     const double from = fmax((double)part.j - 256, 0),
                  until = fmin((double)(part.j + part.ny) + 255, (double)(whole->ny - 1));
     /* Middles of rows that share a heading are multiples of a half. */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sight.h"
 
+#include "error.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -50,7 +52,7 @@ cw_status cw_sight_bounds_create(const terrain *t, sight_bounds **bounds) {
     if (b && bound(t, b)) return CW_OK;
     cw_sight_bounds_destroy(b);
     *bounds = NULL;
-    return CW_ERROR_MEMORY;
+    return cw_fail_plainly(CW_ERROR_MEMORY);
 }
 
 void cw_sight_bounds_destroy(sight_bounds *b) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "profile.h"
 
+#include "error.h"
+#include "fpenv.h"
 #include "way.h"
 
 #include <stdlib.h>
@@ -77,10 +79,11 @@ cw_status cw_profile_add(profile *p, const sight *s, double i, double j, double 
                put_crossings(p, &w, WAY_DIAGONAL, w.diagonal, w.diagonal_low, w.across, begin, end) &&
                (last < 1 || put(p, 1, cw_terrain_height(t, i, j) / metres));
     }
-    return good ? CW_OK : CW_ERROR_MEMORY;
+    return good ? CW_OK : cw_fail_plainly(CW_ERROR_MEMORY);
 }
 
 cw_status cw_profile_make(profile *p, const sight *s, double i, double j, double z) {
+    FPENV_HERE;
     p->count = 0;
     const cw_status status = cw_profile_add(p, s, i, j, z, 0, 1);
     if (status == CW_OK) cw_profile_finish(p, s, i, j, z);

@@ -39,19 +39,15 @@ double cw_sight_sample(const sight *s, size_t i, size_t j) {
 /* A crossing within this many cells of an end is at the end, where rises are sought, which are rounded anyway. */
 static const double at_end = 0x1p-27;
 
-typedef struct search {
-    sight_rise rise;
-} search;
-
 static inline bool look_for_steepest(void *context, const crossing *c) {
-    search *s = context;
+    sight_rise *found = context;
     const double share = c->share, height = c->height, length = c->way->length;
     /* Most are lower by far, which tells without a division. */
-    const double line = s->rise.steepest * share;
+    const double line = found->steepest * share;
     if (height < line - 0x1p-50 * (fabs(line) + fabs(height))) return false;
     if (!(share * length > at_end && (1 - share) * length > at_end)) return false;
     const double rise = height / share;
-    if (rise > s->rise.steepest) s->rise = (sight_rise){rise, share};
+    if (rise > found->steepest) *found = (sight_rise){rise, share};
     return false;
 }
 
@@ -124,9 +120,9 @@ static inline void look_along(const way *w, const double *steepest, way_look *lo
 
 sight_rise cw_sight_steepest(const sight *s, double i, double j, double least) {
     const way w = way_to(s, i, j, 0, 0);
-    search found = {{least, 0}};
-    if (w.length > at_end) look_along(&w, &found.rise.steepest, look_for_steepest, &found);
-    return found.rise;
+    sight_rise found = {least, 0};
+    if (w.length > at_end) look_along(&w, &found.steepest, look_for_steepest, &found);
+    return found;
 }
 
 /* How far the height of a crossing over a line may be off. */
@@ -187,13 +183,13 @@ double cw_sight_around(const sight *s, const double a[2], const double b[2]) {
     enum { CELLS = 4 };
     if (!is_clear(s)) return INFINITY;
     const terrain *t = s->terrain;
-    search found = {{-INFINITY, 0}};
+    sight_rise found = {-INFINITY, 0};
     for (int k = 0; k < 2; k++) {
         const double *d = k ? b : a;
         const way w = way_to(s, s->eye[0] + CELLS * d[0], s->eye[1] + CELLS * d[1], 0, 0);
         look_between(&w, 1 - 2.0 / CELLS, 1, look_for_steepest, &found);
     }
-    double steepest = found.rise.steepest / CELLS, size = fabs(s->eye[2]);
+    double steepest = found.steepest / CELLS, size = fabs(s->eye[2]);
     for (int k = 0; k < 3; k++) size += 16 * fabs(s->fall[k]);
     double most = 0;
     for (double j = ceil(s->eye[1] - 2); j <= s->eye[1] + 2; j++)

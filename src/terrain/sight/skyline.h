@@ -55,7 +55,7 @@ static inline uint32_t skyline_find(const skyline *s, uint32_t start, double u) 
     return start;
 }
 
-/* Between what and what the skyline is in direction u, but for the errors of the edges themselves. The look begins at piece
+/* Bounds on the skyline in direction u, to which the errors of the edges come. The look begins at piece
  * *at, which moves on, so that it serves any greater u. */
 static inline void skyline_at(const skyline *s, uint32_t *at, double u, double *low, double *high) {
     const skyline_piece *p = s->pieces;

@@ -49,10 +49,6 @@ static void turn_to_metres(const view_limits *l, double x, double y, double step
     for (int k = 0; k < 2; k++) step[k] = (m[k][0] * x + m[k][1] * y) * l->metres[k];
 }
 
-void cw_view_limits_step(const view_limits *l, double i, double j, double step[2]) {
-    turn_to_metres(l, i - l->sight->eye[0], j - l->sight->eye[1], step);
-}
-
 /* slack: the sector and what is beside it by less than that share of the step. */
 static bool is_in_sector(const view_limits *l, const double step[2], double slack) {
     const double room = slack * (fabs(step[0]) + fabs(step[1]));
@@ -65,7 +61,7 @@ static bool is_in_sector(const view_limits *l, const double step[2], double slac
 
 double cw_view_limits_angle(const view_limits *l, double i, double j, double rise) {
     double step[2];
-    cw_view_limits_step(l, i, j, step);
+    turn_to_metres(l, i - l->sight->eye[0], j - l->sight->eye[1], step);
     const double height = rise * terrain_metres_of_height(l->sight->terrain);
     return atan2(height, sqrt(step[0] * step[0] + step[1] * step[1])) / degree;
 }
@@ -74,7 +70,7 @@ bool cw_view_limits_have(const view_limits *l, double i, double j, double rise) 
     if (!l->any) return true;
     const cw_observer *g = &l->given;
     double step[2];
-    cw_view_limits_step(l, i, j, step);
+    turn_to_metres(l, i - l->sight->eye[0], j - l->sight->eye[1], step);
     const double square = step[0] * step[0] + step[1] * step[1];
     if (g->farthest > 0 && !(square <= g->farthest * g->farthest)) return false;
     if (!(square >= g->nearest * g->nearest)) return false;

@@ -21,9 +21,6 @@ typedef struct view_limits {
 /* False if a number is none or out of range. */
 bool cw_view_limits_init(view_limits *l, const sight *s, const cw_observer *given);
 
-/* From the place to (i, j): metres east and north on the map. */
-void cw_view_limits_step(const view_limits *l, double i, double j, double step[2]);
-
 /* Whether a target counts. rise: its height over the eye in the samples' numbers, lowered. */
 bool cw_view_limits_have(const view_limits *l, double i, double j, double rise);
 

@@ -2,6 +2,7 @@
 #include "viewshed.h"
 
 #include "area.h"
+#include "fpenv.h"
 #include "sweep.h"
 
 #include <float.h>
@@ -238,6 +239,7 @@ static cw_status find_eye(const terrain *t, const cw_observer *from, double eye[
 
 cw_status cw_viewshed(const cw_terrain *t, const cw_run *run, const cw_observer *from, cw_area area,
                       const cw_view *view) {
+    FPENV_HERE;
     const uint32_t flags = CW_OBSERVER_AZIMUTHS | CW_OBSERVER_VERTICALS;
     if (t == NULL || from == NULL || view == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", !t ? "terrain" : !from ? "from" : "view");
@@ -251,7 +253,13 @@ cw_status cw_viewshed(const cw_terrain *t, const cw_run *run, const cw_observer 
     if (status != CW_OK) return status;
     sight s;
     cw_sight_init(&s, t, bounds, eye, from->curvature);
-    status = cw_viewshed_from(&s, from, run, area, view);
+    door_pass in;
+    if (cw_terrain_enter(t, &in)) {
+        status = cw_viewshed_from(&s, from, run, area, view);
+        cw_field_leave(in);
+    } else {
+        status = cw_fail_plainly(CW_ERROR_BUSY);
+    }
     cw_terrain_bounds_release(t, bounds);
     return status;
 }

@@ -6,6 +6,7 @@
 
 #include "area.h"
 #include "compass.h"
+#include "fpenv.h"
 #include "normal.h"
 
 #include <math.h>
@@ -66,6 +67,7 @@ static void take_suns(insolation *s, const insolation_desc *d) {
 }
 
 cw_status cw_insolation_create(const terrain *t, const insolation_desc *d, insolation **out) {
+    FPENV_HERE;
     insolation *s = *out = calloc(1, sizeof *s);
     if (s == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     const size_t room = d->count > 0 ? d->count : 1;
@@ -240,6 +242,7 @@ static cw_status fill(void *context, const cw_run *run, cw_rectangle at, void *t
 }
 
 static cw_status make(insolation *s, const cw_run *run, cw_area area, bool energy, float *out, const char *name) {
+    FPENV_HERE;
     cw_run how;
     const cw_status status = cw_area_begin(s->terrain, s, "sum", run, &area, &how);
     if (status != CW_OK) return status;

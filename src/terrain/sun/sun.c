@@ -6,6 +6,8 @@
 
 #include "sun.h"
 
+#include "fpenv.h"
+
 #include <math.h>
 
 static const double degree = 0.017453292519943295;
@@ -21,6 +23,7 @@ static double refraction_at(double altitude) {
 }
 
 sun_position cw_sun_at(double seconds, double longitude, double latitude) {
+    FPENV_HERE;
     const double days = seconds / 86400 + (2440587.5 - 2451545); /* since 2000-01-01 12:00 UT */
     /* Dynamical time runs ahead of universal time by about 70 seconds, in which the sun moves by 0.0008 degrees. */
     const double c = (days + 70.0 / 86400) / 36525;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sun_day.h"
 
+#include "fpenv.h"
 #include "normal.h"
 
 #include <math.h>
@@ -23,6 +24,7 @@ static way_out look_toward(const sight *s, double azimuth, double max_distance) 
 }
 
 place_horizon cw_place_horizon(sight *s, double azimuth, double max_distance) {
+    FPENV_HERE;
     const terrain *t = s->terrain;
     place_horizon h = {azimuth, NAN, NAN, {NAN, NAN}};
     s->at_crossings = true;
@@ -43,6 +45,7 @@ static double light_above(double tangent, double up, double lean) {
 }
 
 double cw_sun_day_sky(sight *s, const sun_day_desc *d) {
+    FPENV_HERE;
     const double up = cos(d->tilt * degree), level = sin(d->tilt * degree);
     double sum = 0;
     for (unsigned k = 0; k < d->sky; k++) {
@@ -59,6 +62,7 @@ double cw_sun_day_sky(sight *s, const sun_day_desc *d) {
 }
 
 void cw_sun_day_lean(const terrain *t, const double at[2], sun_day_desc *d) {
+    FPENV_HERE;
     const size_t i = (size_t)fmin(fmax(nearbyint(at[0]), 0), (double)(t->nx - 1)),
                  j = (size_t)fmin(fmax(nearbyint(at[1]), 0), (double)(t->ny - 1));
     float slope[2];
@@ -78,6 +82,7 @@ static bool is_free(const sight *s, const sun_day_desc *d, const sun_position *p
 
 sun_day cw_sun_day(const sight *s, const sun_day_desc *d, double share, double midnight, const sun_position *suns,
                    const double *weights, size_t count) {
+    FPENV_HERE;
     const double begin = midnight - d->place.longitude / 360 * day, up = cos(d->tilt * degree),
                  level = sin(d->tilt * degree), height = s->eye[2] * terrain_metres_of_height(s->terrain);
     const size_t steps = suns ? count : (size_t)nearbyint(day / d->step);
