@@ -2,7 +2,6 @@
 #include "ground.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- the raster, without samples --------------------------------------------------------------------------------- */

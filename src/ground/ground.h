@@ -27,7 +27,7 @@ typedef struct ground {
     raster_field file; /* the piece in memory */
     cw_rectangle piece;
     terrain terrain;
-    size_t pieces, warnings; /* that were read, and printed since then */
+    size_t pieces, warnings; /* pieces read, and warnings of samples printed, so far */
     char warned[GROUND_WARNINGS][300];
 } ground;
 

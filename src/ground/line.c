@@ -2,7 +2,6 @@
 #include "line.h"
 
 #include <math.h>
-#include <string.h>
 
 /* What follows from where the line is blocked: a share of the way, or infinity. The sight is one on all of the terrain. */
 static void settle(line *l, const sight *s, double block) {
@@ -100,7 +99,8 @@ bool line_find_on(line *l, ground *g, const io_place places[2], double curvature
 
 /* ---- radio ------------------------------------------------------------------------------------------------------------- */
 
-double line_fresnel_radius(const line *l, double megahertz, double where) {
+/* The first Fresnel zone's radius in metres at a share of the way. */
+static double line_fresnel_radius(const line *l, double megahertz, double where) {
     const double share = fmin(fmax(where, 0), 1);
     const double wavelength = 299.792458 / megahertz;
     const double rise = (l->target[2] - l->eye[2]) * terrain_metres_of_height(l->sight.terrain);

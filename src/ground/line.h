@@ -37,9 +37,6 @@ typedef struct clearance {
 /* megahertz > 0. */
 void line_clearance(const line *l, double megahertz, const profile *p, clearance *c);
 
-/* The first Fresnel zone's radius in metres at a share of the way. */
-double line_fresnel_radius(const line *l, double megahertz, double where);
-
 /* A point of the profile in metres, and on the map. */
 typedef struct line_row {
     double distance, x, y, ground, line, seen, radius; /* radius: the first Fresnel zone's; NaN if megahertz is 0 */

@@ -56,7 +56,8 @@ const float *outcome_take(outcome *o, const io_raster_product *p, const void *ce
     return values;
 }
 
-double outcome_quantile(const outcome *o, double share) {
+/* After the last value. NaN without any. */
+static double outcome_quantile(const outcome *o, double share) {
     if (o->count == 0) return NAN;
     float *v = o->kept;
     const size_t n = (size_t)(share * (double)(o->count - 1) + 0.5);

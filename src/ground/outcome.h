@@ -21,9 +21,6 @@ void outcome_end(outcome *o);
 /* The next n cells of the product. Returns them as floats, with NaN for no data: these themselves if they are floats, else in room. */
 const float *outcome_take(outcome *o, const io_raster_product *p, const void *cells, size_t n, float *room);
 
-/* After the last value. NaN without any. */
-double outcome_quantile(const outcome *o, double share);
-
 /* "24.1 % of 138632 samples in sight" where cells are whole numbers, which counted names, or "0.62 to 1, median 0.93 h". */
 void outcome_text(const outcome *o, const io_raster_product *p, const char *counted, char *text, size_t size);
 

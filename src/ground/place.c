@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most) {

@@ -17,7 +17,7 @@ size_t ground_numbers(const char *text, double *numbers, size_t least, size_t mo
 enum { GROUND_NUMBER = 32 };
 const char *ground_number(double number, char text[GROUND_NUMBER]);
 
-/* X,Y,H or X,Y,+H, X,Y,=Z, or X,Y, which is height above ground. */
+/* X,Y,H or X,Y,+H: H metres above ground. X,Y,=Z: at the height Z. X,Y: height above ground. */
 bool ground_parse_place(const char *text, double height, io_place *p, io_error *error);
 
 /* Whether one can look from a place. */

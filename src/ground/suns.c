@@ -21,7 +21,7 @@ bool sun_place_of(const terrain *t, const io_georef *georef, const double at[2],
     else
         terrain_to_map(whole, 0.5 * (double)(whole->nx - 1), 0.5 * (double)(whole->ny - 1), xy);
     if (t->geographic) {
-        place->longitude = xy[0] * t->unit * degrees;
+        place->longitude = remainder(xy[0] * t->unit * degrees, 360); /* else it would begin the day before */
         place->latitude = xy[1] * t->unit * degrees;
         return true;
     }

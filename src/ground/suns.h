@@ -15,7 +15,7 @@ bool sun_place_of(const terrain *t, const io_georef *georef, const double xy[2],
                   sun_place *place, io_error *error);
 
 /* Places of the sun from a table with the columns azimuth, from the map's north, altitude as it is seen, and weight (1 if there is
- * none). sun_list_free is good for what failed, too. */
+ * none). sun_list_free is to be called after a failure, too. */
 typedef struct sun_list {
     size_t count;
     sun_position *suns;

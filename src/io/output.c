@@ -19,9 +19,7 @@
 
 /* ---- where an output goes -------------------------------------------------------------------------------------------------- */
 
-/* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor
- * leads: a file that a shell opened to append to must not be replaced. */
-static int descriptor_of(const char *path) {
+int io_output_descriptor(const char *path) {
     const char *number = strncmp(path, "/dev/fd/", 8) == 0          ? path + 8
                          : strncmp(path, "/proc/self/fd/", 14) == 0 ? path + 14
                                                                     : "";
@@ -63,7 +61,7 @@ static char *follow(const char *path) {
     errno = ENAMETOOLONG;
     if (snprintf(name, sizeof name, "%s", path) >= (int)sizeof name) return NULL;
     for (int k = 0; k < LINKS_MAX; k++) {
-        const ssize_t length = descriptor_of(name) >= 0 ? -1 : readlink(name, link, sizeof link - 1);
+        const ssize_t length = io_output_descriptor(name) >= 0 ? -1 : readlink(name, link, sizeof link - 1);
         if (length < 0) return strdup(name);
         if (!may_follow(name)) return NULL;
         char *to = link[0] == '/' ? name : name + (base_of(name) - name);
@@ -247,7 +245,7 @@ static bool check_conflicts(const io_output *out, const struct stat *about, io_e
 /* A descriptor, or -1 with a message. */
 static int open_target(io_output *out, io_error *error) {
     struct stat about;
-    const int number = descriptor_of(out->target);
+    const int number = io_output_descriptor(out->target);
     const bool exists = (number >= 0 ? fstat(number, &about) : stat(out->target, &about)) == 0;
     out->direct = number >= 0 || (exists && !S_ISREG(about.st_mode));
     if (!check_conflicts(out, exists ? &about : NULL, error)) return -1;

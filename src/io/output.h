@@ -36,6 +36,10 @@ typedef struct io_output {
 enum { IO_OUTPUT_MAX = 64 };
 bool io_output_open(io_output *out, const char *path, io_error *error);
 
+/* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor leads: a file
+ * that a shell opened to append to must not be replaced. */
+int io_output_descriptor(const char *path);
+
 /* The name of the temporary file of an output that is not direct, for libraries that open files themselves. */
 const char *io_output_temporary(const io_output *out);
 

@@ -55,7 +55,7 @@ static bool allocate(scene *s) {
     return s->heightfields && s->lights && s->textures && s->sky;
 }
 
-/* Without a light that is 0, which would be asked for in vain. */
+/* Lights of strength 0 are left out: their shadow rays would change nothing. */
 static void add_lights(scene *s, const landscape_desc *d) {
     const transform *object = &s->heightfields[0].to_world;
     if (d->sun_light > 0) s->lights[s->light_count++] = distant_light(object, d->sun, d->sun_light);

@@ -11,7 +11,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static void print_kernels(const cw_kernel *chosen, bool json) {
     if (json)
@@ -56,7 +55,7 @@ static void print_machine(bool json) {
 typedef struct survey {
     raster_field file;
     cw_field_info info;
-    const cw_kernel *kernel; /* NULL: for none are structures built */
+    const cw_kernel *kernel; /* NULL: only the header was read, so no structures are built */
     bool header;             /* samples are not read: there are many, and nobody asked for them */
 } survey;
 
@@ -138,7 +137,7 @@ static void print_field(const char *path, const survey *s) {
     char unit[40];
     print_text(stdout, path);
     putchar('\n');
-    if (r->z || s->header) print_place(r);
+    print_place(r);
     if (s->header)
         puts("  heights       not read, as there are many: --samples reads them");
     else if (f->low <= f->high)
@@ -169,7 +168,7 @@ static void print_field_json(const char *path, const survey *s) {
                f->ny, some ? (double)f->low : NAN, some ? (double)f->high : NAN, f->holes);
     json_print(stdout, "'bytes_samples': %u, 'bytes_built': %u, 'bytes_per_cell': %g", (size_t)sample_bytes(f),
                f->bytes_built, bytes_per_cell(f));
-    if ((r->z || s->header) && g->placed) {
+    if (g->placed) {
         const place p = find_place(r);
         json_print(stdout, ", 'extent': [%G, %G, %G, %G], 'cell_size': [%G, %G], 'degrees': %b", p.low[0], p.low[1],
                    p.high[0], p.high[1], p.cell[0], p.cell[1], g->geographic);

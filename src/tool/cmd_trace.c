@@ -34,7 +34,7 @@ typedef struct trace {
     double seconds; /* of the queries alone */
 } trace;
 
-/* Of a piece; with --occluded the latter. */
+/* Answers of a piece: the first, or with --occluded the second. */
 static cw_hit found[PIECE];
 static uint8_t occluded[PIECE];
 
@@ -208,9 +208,10 @@ static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.np
 
 /* Options that exclude each other. */
 static bool check(const trace *t) {
-    const bool to_stdout = t->hits && strcmp(t->hits, "-") == 0;
-    if (t->hits == NULL && !t->json)
-        return command_refuse("trace", "nothing to do: give -o HITS.npy for the hits, or --json");
+    const bool to_stdout = t->hits && io_output_descriptor(t->hits) == STDOUT_FILENO;
+    if (t->hits == NULL && (!t->json || t->points || t->normals))
+        return command_refuse("trace", t->json ? "--points and --normals go into HITS.npy: give -o HITS.npy"
+                                               : "nothing to do: give -o HITS.npy for the hits, or --json");
     if (t->any && (t->points || t->normals))
         return command_refuse("trace", "--occluded finds no hits, so --points and --normals cannot be given");
     if (to_stdout && t->json)

@@ -123,6 +123,9 @@ def test_chunked_dataarray(placed):
     assert isinstance(lit, xr.DataArray) and lit.chunks == ((90, 90, 90, 31), (50, 50, 50, 50, 50, 13)) and lit.attrs == wanted.attrs
     same(lit.compute(scheduler="threads").values, wanted.values)
     assert (lit.x == d.x).all()
+    packed = xr.DataArray(np.arange(9.0).reshape(3, 3), dims=("y", "x"))
+    packed.encoding = {"_FillValue": 4, "scale_factor": 0.1}  # of what the file stores
+    assert cw.Field(packed).z[1, 1] == 4
     x, y, near = (603000, 4996000, 1500) if placed else (100, 190, 50)
     same(compute(cwd.viewshed(chunked, x, y, max_distance=near)), field.viewshed(x, y, max_distance=near).values)
     same(compute(cwd.sky_view(chunked, 4)), field.sky_view(4).values)
@@ -148,7 +151,7 @@ def test_chunked_dataarray(placed):
     (lambda f: cwd.to_geotiff(da.zeros((10, 20), dtype="uint8"), "a.tif", like=f), ValueError, r"like: .* shape \(301, 263\), the result \(10, 20\)"),
     (lambda f: cwd.to_geotiff(da.zeros((0, 20), dtype="uint8"), "a.tif"), ValueError, r"result: shape \(0, 20\), expected numbers above 0"),
     (lambda f: cwd.to_geotiff(da.zeros((10, 20)), "a.tif"), TypeError, "result: dtype float64, expected uint8"),
-    (lambda f: cwd.to_geotiff(3, "nowhere.tif"), TypeError, "result: int, expected what")])
+    (lambda f: cwd.to_geotiff(3, "nowhere.tif"), TypeError, "result: int, expected an array of Dask")])
 def test_what_is_too_much_is_said_before(file, call, kind, words):
     with pytest.raises(kind, match=words):
         call(file)
@@ -245,8 +248,7 @@ def test_results_are_dataarrays():
                         (d.cellwalk.shadow(), plain.shadow()), (d.cellwalk.viewshed(x, y), plain.viewshed(x, y))):
         assert isinstance(got, xr.DataArray) and got.dims == ("y", "x")
         same(got.values, wanted)
-        assert (got.x == d.x).all() and (got.y == d.y).all() and "spatial_ref" in got.coords
-        assert got.attrs["grid_mapping"] == "spatial_ref"
+        assert (got.x == d.x).all() and (got.y == d.y).all() and "spatial_ref" in got.coords and got.attrs["grid_mapping"] == "spatial_ref"
     h = d.cellwalk.horizon(4)
     assert h.dims == ("azimuth", "y", "x") and h.azimuth.values.tolist() == [0, 90, 180, 270]
     same(h.values, plain.horizon(4))

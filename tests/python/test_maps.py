@@ -307,6 +307,7 @@ def test_days_without_hills():
     south, level, north = (cw.Field(np.zeros((9, 9))).sun_days(4, 4, "2024-02-10", step="1h", lon_lat=(0, 50), tilt=tilt, facing=facing)
                            for tilt, facing in ((40, 180), (0, 180), (90, 0)))
     assert south.direct > level.direct > north.direct == 0 and level.hours == level.free_hours == (level.set - level.rise) / np.timedelta64(1, "h")
+    assert len({cw.Field(np.zeros((9, 9))).sun_days(4, 4, "2024-02-10", lon_lat=(x, 50)).rise.item() for x in (-10, 350)}) == 1
 
 
 # ---- horizons of places ------------------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ LINES = r"""
 2 | 'hits.npy' is one argument too many | trace wall.npy rays.npy hits.npy
 2 | --output needs a value | trace wall.npy rays.npy -o {; ''}
 2 | unknown option -x~Try 'cellwalk trace --help'. | trace wall.npy rays.npy -x
-2 | --kernal; did you mean --kernel? | trace wall.npy rays.npy --kernal=cell
+2 | did you mean --{kernel;threads}? | trace wall.npy rays.npy --{kernal=cell;thre=1}
 2 | unknown option --any | trace wall.npy rays.npy --any
 2 | --json takes no value | trace wall.npy rays.npy --json=yes
 2 | 'celt' is unknown; did you mean cell? | trace wall.npy rays.npy --json --kernel celt
@@ -25,10 +25,10 @@ LINES = r"""
 2 | scalar, sse4.2, avx2, avx512 | trace wall.npy rays.npy --json --isa avx
 2 | from 1 to 1048576, not ' | trace wall.npy rays.npy --json --band {0;1048577}
 2 | --threads takes | trace wall.npy rays.npy --json --threads {-1;1.5;4x;99999999999999999999}
-2 | standard output cannot take both | trace wall.npy rays.npy -o - --json
-2 | --occluded finds no hit | trace wall.npy rays.npy --occluded --points -o no.npy
+2 | standard output cannot take both | trace wall.npy rays.npy -o {-;/dev/stdout} --json
+2 | {--occluded finds no hit;go into HITS.npy} | trace wall.npy rays.npy {--occluded --points -o no.npy;--json --normals}
 2 | --leaf: brute does not have the leaf test watertight | trace wall.npy rays.npy --json --kernel brute --leaf watertight
-2 | CELLWALK_ISA '{sse;}' is unknown; there are scalar, | ISA={sse;} trace wall.npy rays.npy -o no.npy
+2 | CELLWALK_ISA '{sse;}' is unknown; {did you mean sse4.2? T;t}here are scalar, | ISA={sse;} trace wall.npy rays.npy -o no.npy
 2 | packet4 needs sse4.2; this machine, or the limit set by --isa or CELLWALK_ISA, has scalar | {ISA=scalar ;}trace wall.npy rays.npy --json --kernel packet4 {; --isa scalar}
 2 | --isa sse4.2: this machine, or CELLWALK_ISA, allows no more than scalar | ISA=scalar trace wall.npy rays.npy --json --isa sse4.2
 2 | 'b' is one argument too many | info a b
@@ -62,7 +62,7 @@ LINES = r"""
 1 | has one band, not 2 | shadow wall.npy --sun 0,30 --band 2 -o no.npy
 2 | --window takes XMIN,YMIN,XMAX,YMAX | shadow wall.npy --sun 0,30 --window 1,2,3 -o no.npy
 1 | no sample is in it; they go from 0,0 to 590,490 | shadow wall.npy --cellsize 10 --sun 0,30 --window {5000,0,6000,10;20,0,10,10} -o no.npy
-2 | --memory takes a number of bytes | shadow wall.npy --sun 0,30 --memory 2X -o no.npy
+2 | --memory takes a number of bytes | shadow wall.npy --sun 0,30 --memory {2X;"2 "} -o no.npy
 1 | 60 x 50 samples matter at once, which need --memory 1M; there is {0.03M;12} | horizon wall.npy --memory {0.03M;12} -o no.npy
 2 | --from X,Y is missing | viewshed wall.npy -o no.npy
 1 | is too far away | {viewshed wall.npy -o no.npy --from 3,1e308,=9;los wall.npy 1e308,1e308,=9 10,10,2;los wall.npy 10,10,2 1e8,3,=9}
@@ -71,7 +71,7 @@ LINES = r"""
 2 | --layer goes with --observers | viewshed wall.npy --layer a --from 1,2 -o no.npy
 2 | takes two places or more | viewshed wall.npy --from 1,2 --every 5 -o no.npy
 2 | --target-height takes metres from 0 on, not -5 | {viewshed wall.npy --from 1,2;visibility wall.npy} --target-height -5 -o no.npy
-2 | --curvature takes a number from 0 to 1e9, not 2e+09 | {los wall.npy 1,2 3,4;viewshed wall.npy --from 1,2 -o no.npy} --curvature 2e9
+2 | --curvature takes a number from 0 to 1e9, not 2e+09 | {los wall.npy 1,2 3,4;viewshed wall.npy --from 1,2 -o no.npy;horizon wall.npy --at 1,2;render wall.npy -o no.exr} --curvature 2e9
 2 | --every takes metres above 0, not -5 | viewshed wall.npy --observers t.csv --every -5 -o no.npy
 1 | more than 16777216 observers | viewshed wall.npy --cellsize 10 --observers t.csv --every 1e-9 -o no.npy
 1 | 9,2,=400: heights along a line are all above | viewshed wall.npy --from 1,2 --from 9,2,=400 --every 5 -o no.npy
@@ -87,7 +87,7 @@ LINES = r"""
 2 | --azimuth takes two angles | viewshed wall.npy --from 1,2 --azimuth {1;1,400} -o no.npy
 2 | {the lower one first, not '5,-5';--vertical takes two angles} | viewshed wall.npy --from 1,2 --vertical {5,-5;-91,0} -o no.npy
 2 | --needed looks for that height | viewshed wall.npy --from 1,2 --vertical -9,0 --needed -o no.npy
-2 | --min-distance {takes metres, not -1;9 is more than} | viewshed wall.npy --from 1,2 --min-distance {-1;9 --max-distance=5} -o no.npy
+2 | --min-distance {takes metres from 0 on, not -1;9 is more than} | viewshed wall.npy --from 1,2 --min-distance {-1;9 --max-distance=5} -o no.npy
 1 | t.npy: is also an input | viewshed wall.npy --cellsize 10 --observers t.csv -o t.npy
 1 | no room for 2 bands | viewshed wall.npy --cellsize 10 --observers t.csv --bands -o no.png
 2 | a place is X,Y or X,Y,H with H metres above ground, or X,Y,=Z with an absolute height, not | los wall.npy {5;1,2,=;1,=2} 10,10,2
@@ -95,7 +95,7 @@ LINES = r"""
 2 | {FROM;TO} is missing, or --pairs FILE | los wall.npy {;1,2}
 2 | -o goes with --pairs | los wall.npy 1,2 3,4 -o no.csv
 2 | --json goes with two places | los wall.npy --pairs pairs.csv --json
-2 | --profile needs a file that nothing else is written to | los wall.npy --pairs pairs.csv --profile -
+2 | --profile needs a file that nothing else is written to | los wall.npy {--pairs pairs.csv --profile -;1,2 3,4 --profile /dev/stdout}
 2 | --frequency takes megahertz from 0.1 to 1000000, not | los wall.npy 1,2 3,4 --frequency {0;-1;0.01;1e9}
 1 | bad.csv: is empty; its first line should name the columns | viewshed wall.npy --observers bad.csv -o no.npy |
 1 | bad.csv: holds no places | viewshed wall.npy --observers bad.csv -o no.npy | x,y~
@@ -123,12 +123,11 @@ LINES = r"""
 2 | {is before;divides a day;not '15'} | sun wall.npy --date 2024-06-21 {--to 2024-06-20;--step 7min;--step 15} -o no.npy
 2 | go with --irradiance | sun wall.npy --date 2024-06-21 --linke 3 -o no.npy
 2 | from 1 to 10, not 0 | sun wall.npy --date 2024-06-21 --irradiance --linke 0 -o no.npy
-2 | not '7' | sun wall.npy --date 2024-06-21 --lon-lat 7 -o no.npy
+2 | not '{7;361,0}' | sun wall.npy --date 2024-06-21 --lon-lat {7;361,0} -o no.npy
 2 | longer --step | sun wall.npy --date 2000-06-21 --to 2024-06-20 --step 30s -o no.npy
 2 | a scene or a raster is missing | render -o no.exr
 2 | is for rasters | render s.pbrt {--sun 0,30;--nodata 0;--sky;--water 3;--curvature 1} -o no.exr
 2 | {not 180;not '5';--haze takes a visibility in metres, above 0, not 0} | render wall.npy --{fov 180;from 5;haze 0} -o no.exr
-2 | --curvature takes a number from 0 on, not -1 | render wall.npy --curvature -1 --from 20,20 -o no.exr
 1 | the same place | render wall.npy --from 5,3,9 --to 5,3,9 -o no.exr
 2 | either --sun or --time | {shadow wall.npy -o no.npy;render wall.npy --time 2024-06-21T12:00:00Z --sun 0,9 -o no.exr}
 2 | give the eye's place by --from | render wall.npy --curvature 1 -o no.exr

@@ -222,3 +222,5 @@ def test_quiet_means_no_warning():
     done = run("render", "odd.pbrt", "-o", "odd.exr")
     assert done.status == 0 and "warning: " in done.err
     well("render", "odd.pbrt", "-o", "odd.exr", "--quiet")
+    make_land(100, 5)
+    well("render", "land.npy", "--cellsize", CELL, "--size", "8x8", "--sun", "0,-5", "-o", "odd.exr", "--quiet")

@@ -94,7 +94,9 @@ def test_rows_without_a_map(words):
 
 @pytest.mark.parametrize("date, rows", [("0999", 12), ("0999-02", 28), ("2024-02", 29), ("9999", 12)])
 def test_months_and_years(date, rows):
-    assert well("sun", "wall.npy", *MAP, "--lon-lat", "9,47", "--date", date, "--step", "6h", "--at", "5,5").out.count("\n") == 1 + rows
+    """350 is 10 degrees west."""
+    west, same = (well("sun", "wall.npy", *MAP, "--lon-lat", f"{x},47", "--date", date, "--step", "6h", "--at", "5,5").out for x in (-10, 350))
+    assert west.count("\n") == 1 + rows and west == same
 
 
 # ---- pairs and profiles ---------------------------------------------------------------------------------------------------

@@ -60,6 +60,6 @@ bool io_image_allocate(io_image *image, size_t width, size_t height, size_t most
 
 void io_image_free(io_image *image) {
     free(image->rgb);
-    free(image->halves);
+    large_release(image->halves);
     *image = (io_image){0};
 }

@@ -31,8 +31,8 @@ void io_georef_free(io_georef *georef);
 /* The name that the coordinate system has in its well-known text, cut to size; "" if it has none. */
 void io_georef_name(const io_georef *georef, char *name, size_t size);
 
-/* A unit of so many metres, as "US survey ft" or "x 0.5 m"; "" if that is not above 0. text has a byte more room than
- * that, for a blank. */
+/* A unit of so many metres, as "US survey ft" or "x 0.5 m"; "" if that is not above 0. text has room
+ * for a byte more, so that a blank can be put before it. */
 enum { IO_UNIT_NAME = 40 };
 void io_unit_name(double metres, char *text);
 

@@ -8,18 +8,23 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
+/* Of heights that are not the file's numbers, gdal/read.c has taken it out: the option's values are the file's. */
 static void take_nodata_out(const io_raster_options *options, io_raster *raster) {
-    for (size_t n = 0; n < options->nodata_count; n++) {
+    for (size_t n = 0; n < options->nodata_count && raster->georef.scale == 0; n++) {
         const float value = (float)options->nodata[n];
         for (size_t k = 0; raster->z != NULL && k < raster->nx * raster->ny; k++)
             if (raster->memory[k] == value) raster->memory[k] = NAN;
     }
-    if (options->nodata_count == 0) return;
+    if (options->nodata_count == 0 || raster->georef.has_nodata) return;
     raster->georef.has_nodata = true;
     raster->georef.nodata = options->nodata[0];
+}
+
+/* The file's number for a height. */
+static double number_of(const io_georef *g, float z) {
+    return g->scale != 0 ? (double)(float)(((double)z - g->offset) / g->scale) : (double)z;
 }
 
 /* From here on floats are more than 1 apart. */
@@ -55,19 +60,19 @@ static void smell_samples(const char *path, const io_raster_options *options, co
     for (int k = 0; k < COUNT; k++)
         if (counts[k] > 0)
             io_warn(&options->warn,
-                    "%s: %zu samples are %g, which often stands for no data; --nodata %g makes them holes", path,
-                    counts[k], (double)suspicious[k], (double)suspicious[k]);
+                    "%s: %zu samples are %g, which often stands for no data; --nodata %.9g makes them holes", path,
+                    counts[k], (double)suspicious[k], number_of(&raster->georef, suspicious[k]));
     if (huge > 0)
         io_warn(&options->warn,
                 "%s: %zu samples are beyond 1e30, as %.9g, which looks like no data; --nodata %.9g makes them holes",
-                path, huge, (double)example, (double)example);
+                path, huge, (double)example, number_of(&raster->georef, example));
     const double share = (double)zeros / ((double)raster->nx * (double)raster->ny);
     if (!raster->georef.has_nodata && share >= 0.001 && share <= 0.5 && nearest >= 10)
         io_warn(
             &options->warn,
             "%s: %.3g %% of the samples are exactly 0, and the next ones are %.6g from it, which looks like missing "
-            "data; --nodata 0 makes them holes",
-            path, 100 * share, (double)nearest);
+            "data; --nodata %.9g makes them holes",
+            path, 100 * share, (double)nearest, number_of(&raster->georef, 0));
     if (largest > coarse)
         io_warn(&options->warn, "%s: heights are floats, and those up to %.9g are rounded to multiples of %g", path,
                 (double)largest, (double)(nextafterf(largest, INFINITY) - largest));

@@ -43,7 +43,7 @@ typedef struct io_raster_options {
 bool io_raster_read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 void io_raster_free(io_raster *raster);
 
-/* A program that GDAL shares its process with no one else in. */
+/* Set by a program in whose process nobody else uses GDAL. */
 typedef struct io_gdal_host {
     bool network; /* GDAL may use the network */
     /* Called before GDAL is loaded, which fails if it does. */

@@ -10,7 +10,6 @@
 
 #include <errno.h>
 #include <limits.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -185,7 +184,7 @@ static bool is_there(const char *path) {
     return stat(path, &about) == 0;
 }
 
-/* A picture's world file is written anew, and the first of its list. */
+/* The world file, the first of a picture's list, is replaced, so it is not checked. */
 static bool check_sidecars(const io_raster_writer *w, io_error *error) {
     const sidecar_list list = w->output.direct ? NULL : w->sink->sidecars + has_world(w);
     const fate what = is_there(w->output.target) ? MUST_BE_NO_INPUT : MUST_BE_NONE;
@@ -228,7 +227,7 @@ bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_err
     return true;
 }
 
-/* The world file is renamed last, in place of the one before it, whose rights it keeps. If it cannot be, the old one would put the
+/* The world file is renamed right after the picture, in place of the one before it, whose rights it keeps. If it cannot be, the old one would put the
  * new picture in the wrong place. */
 static bool commit(io_raster_writer *w, io_error *error) {
     static const char *const world_file[] = {"*.pgw", NULL};
@@ -237,9 +236,9 @@ static bool commit(io_raster_writer *w, io_error *error) {
     snprintf(name, sizeof name, "%s", w->output.name);
     const bool world = has_world(w), replaces = !w->output.direct && is_there(target);
     const sidecar_list list = replaces ? w->sink->sidecars + world : NULL;
-    const bool good = (!world || io_output_settle(&w->beside[0], error)) && io_output_commit(&w->output, error) &&
-                      treat_list(list, target, GOES, error) && treat_list(list, name, GOES, error);
-    if (!good || !world || io_output_commit(&w->beside[0], error)) return good;
+    if ((world && !io_output_settle(&w->beside[0], error)) || !io_output_commit(&w->output, error)) return false;
+    if (!world || io_output_commit(&w->beside[0], error))
+        return treat_list(list, target, GOES, error) && treat_list(list, name, GOES, error);
     treat_list(world_file, target, GOES, NULL);
     return false;
 }

@@ -25,7 +25,7 @@ Make a field with Field(array) or open(file). Then ask it:
     coarser           a field of every n-th sample, with its error
 
 cellwalk.sun says where the sun stands, cellwalk.kernels which ways of tracing there are. cellwalk.dask has shadow,
-viewshed, visibility, horizon, sky_view and openness of rasters larger than memory.
+insolation, viewshed, visibility, horizon, sky_view and openness of rasters larger than memory.
 
 Places are those of the map: x and y by `transform` or by the coordinates of a DataArray. Without a map, x is the
 column and y the row, and azimuths take the first row for the north, as in a picture. Arrays of samples are indexed

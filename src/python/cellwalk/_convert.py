@@ -67,7 +67,7 @@ def line_of_coordinates(values, name: str) -> tuple[float, float]:
 
 def check_sides(shape: tuple[int, int], name: str, least: int = 2) -> None:
     if min(shape) < least or max(shape) > lib.CW_SIDE_MAX:
-        raise ValueError(f"{name}: shape {shape}, expected at least 2 rows and 2 columns, and at most {lib.CW_SIDE_MAX}")
+        raise ValueError(f"{name}: shape {shape}, expected at least {least} rows and {least} columns, and at most {lib.CW_SIDE_MAX}")
 
 
 def samples_of(values, nodata=None, name: str = "z", least: int = 2) -> np.ndarray:
@@ -123,7 +123,7 @@ def describe_dataarray(z, transform=None, crs=None, nodata=None, zscale=None) ->
         affine = np.array([[step_x, 0, 0, first_x], [0, step_y, 0, first_y], [0, 0, 1, 0]], np.float64)
     else:
         affine, placed = map_of_transform(None), False
-    for place in (like.attrs, like.encoding):
+    for place in (like.attrs, {} if {"scale_factor", "add_offset"} & like.encoding.keys() else like.encoding):  # not of packed numbers
         for key in ("_FillValue", "nodata", "missing_value"):
             if nodata is None and np.ndim(place.get(key)) == 0 and place.get(key) is not None:
                 nodata = nodata_of(place[key])
@@ -207,17 +207,18 @@ def warn_of_heights(samples: np.ndarray, low: float, high: float, nodata: Option
 def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
     band = 1 if band is None else band
     array = z.read(band, masked=True)
+    samples = samples_of(array, nodata)
     nodata = z.nodata if nodata is None else nodata
     scale, offset = (getattr(z, "scales", None) or (1,) * band)[band - 1], (getattr(z, "offsets", None) or (0,) * band)[band - 1]
     if (scale, offset) != (1, 0):
-        array = np.ma.MaskedArray(offset + scale * array.data.astype(np.float64), np.ma.getmaskarray(array))
+        samples = samples_of(np.ma.MaskedArray(offset + scale * array.data.astype(np.float64), np.isnan(samples)))
     given = transform if transform is not None else z.transform
     placed = transform is not None or tuple(given)[:6] != (1, 0, 0, 0, 1, 0)
     known = read_crs(crs if crs is not None else z.crs)
     affine = map_of_transform(given if placed else None)
     units = getattr(z, "units", None)
     _scale_heights(affine, zscale, units[band - 1] if units else None, known, placed)
-    return Source(samples_of(array), array.shape, affine, placed, known, nodata)
+    return Source(samples, array.shape, affine, placed, known, nodata)
 
 
 def read_source(z, transform, crs, nodata, zscale, band) -> Source:

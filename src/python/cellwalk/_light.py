@@ -219,7 +219,7 @@ class Light(Products):
         light = {"azimuth": finite(225 if azimuth is None else azimuth, "azimuth"),
                  "altitude": finite(30 if altitude is None else altitude, "altitude", -90, 90)}
         disc = _SUN_RADIUS if disc is True else finite(disc, "disc", 0, 10)
-        how = {**light, "radius": disc, "curvature": finite(curvature, "curvature", 0), "hillshade": bool(hillshade)}
+        how = {**light, "radius": disc, "curvature": finite(curvature, "curvature", 0, 1e9), "hillshade": bool(hillshade)}
         share = disc > 0 or bool(hillshade)
         if light["altitude"] <= 0:
             warn(f"altitude: the sun is at {light['altitude']:.3f} degrees, not above the horizon")
@@ -258,7 +258,7 @@ class Light(Products):
         seconds = _step(step)
         linke, sky = finite(linke, "linke", 1, 10), count(sky, "sky", 1, 3600)
         how = {"hours": seconds / 3600, "linke": linke, "directions": 0 if directions is None else count(directions, "directions", 8, 3600),
-               "curvature": finite(curvature, "curvature", 0)}
+               "curvature": finite(curvature, "curvature", 0, 1e9)}
         if suns is not None:
             about = {"long_name": f"weights of the suns {'on the ground' if irradiance else 'that are seen'}"}
             inputs = *suns_of(suns, date, to), bool(irradiance), sky
@@ -307,7 +307,7 @@ class Light(Products):
             raise ValueError(f"tilt: {tilt!r}, expected degrees or 'ground'")
         how = {"step": _step(step), "tilt": 0 if ground else finite(tilt, "tilt", 0, 180), "facing": finite(facing, "facing"),
                "linke": finite(linke, "linke", 1, 10), "sky": count(sky, "sky", 1, 3600), "place": place}
-        bend, how["max_distance"] = finite(curvature, "curvature", 0), distance_of(max_distance)
+        bend, how["max_distance"] = finite(curvature, "curvature", 0, 1e9), distance_of(max_distance)
         places, weights = suns_of(suns, date, to) if listed else (None, None)
         out = np.empty((days, 8))
         self._run("sun_days", _sun_days, spots[0], how, ground, bend, first, places, weights, ffi.from_buffer("sun_day[]", out),

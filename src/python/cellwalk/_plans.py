@@ -4,6 +4,7 @@ makes a plan's product of all rows, cellwalk.dask of a chunk's. And places: spot
 
 from __future__ import annotations
 
+import math
 from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
@@ -69,12 +70,12 @@ class Products:
                 raise ValueError(f"lon_lat: {lon_lat!r}, expected a longitude and a latitude")
             if known.geographic or known.wkt is not None:
                 raise ValueError("lon_lat: is for fields without a coordinate system (crs), and this one has it")
-            return finite(lon_lat[0], "lon_lat"), finite(lon_lat[1], "lon_lat", -90, 90), 0.0
+            return math.remainder(finite(lon_lat[0], "lon_lat", -360, 360), 360), finite(lon_lat[1], "lon_lat", -90, 90), 0.0
         i, j = 0.5 * (columns - 1), 0.5 * (rows - 1)
         x, y = (float(m[k][0] * i + m[k][1] * j + m[k][3]) for k in range(2)) if place is None else place
         if known.geographic:
             unit = known.unit or 3.141592653589793 / 180
-            return x * unit * _DEGREES, finite(y * unit * _DEGREES, "latitude", -90, 90), 0.0
+            return math.remainder(x * unit * _DEGREES, 360), finite(y * unit * _DEGREES, "latitude", -90, 90), 0.0
         if known.wkt is None:
             raise ValueError(f"{what}: without a coordinate system (crs) nothing says where the sun stands; give "
                              f"{'azimuth and altitude' if what == 'time' else 'lon_lat'}")
@@ -82,7 +83,7 @@ class Products:
 
     def _bend(self, curvature) -> float:
         """The curvature of lines of sight."""
-        return (6.0 / 7 if self._source.placed else 0.0) if curvature is None else finite(curvature, "curvature", 0)
+        return (6.0 / 7 if self._source.placed else 0.0) if curvature is None else finite(curvature, "curvature", 0, 1e9)
 
 
 def distance_of(max_distance) -> float:
@@ -93,7 +94,7 @@ def distance_of(max_distance) -> float:
 def round_of(directions, max_distance, curvature, start=0.0, flags: int = 0) -> dict[str, Any]:
     """A cw_horizon."""
     return {"start": finite(start, "start"), "count": count(directions, "directions", 1, 3600),
-            "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0), "flags": flags}
+            "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0, 1e9), "flags": flags}
 
 
 def azimuths_of(sky: dict[str, Any]) -> np.ndarray:

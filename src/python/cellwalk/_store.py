@@ -73,7 +73,7 @@ def to_geotiff(result: Any, path: str | os.PathLike[str], like: str | os.PathLik
     """
     array = result.data if hasattr(result, "dims") else result
     if not isinstance(array, da.Array) or array.ndim not in (2, 3):
-        raise TypeError(f"result: {type(result).__name__}, expected what shadow, viewshed, horizon or sky_view returned")
+        raise TypeError(f"result: {type(result).__name__}, expected an array of Dask with two or three dimensions, as cellwalk.dask returns")
     if not all(n > 0 for n in array.shape):  # NaN: not known yet
         raise ValueError(f"result: shape {array.shape}, expected numbers above 0")
     _refuse_inputs(array, path, like)

@@ -11,7 +11,6 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 bool pbrt_source_open(pbrt_source *s, const char *path, io_error *error) {
     *s = (pbrt_source){.path = strdup(path)};
@@ -64,7 +63,9 @@ static const char *skip_digits(const char *p) {
     return p;
 }
 
-const char *pbrt_number(const char *text, double *number) {
+/* A decimal number without regard to the locale, correctly rounded: [+-] digits [. digits] [e [+-] digits]. text must end
+ * in a NUL somewhere. Returns the end of the number, or NULL if there is none. */
+static const char *pbrt_number(const char *text, double *number) {
     const char *start = text + (*text == '-' || *text == '+'), *point = skip_digits(start), *p = point;
     if (*p == '.') p = skip_digits(p + 1);
     if (p - start == (*point == '.')) return NULL; /* no digit */

@@ -40,8 +40,4 @@ float pbrt_float(const pbrt_token *token);
  * number that only pbrt_next understands. Returns how many. */
 size_t pbrt_plain_floats(pbrt_source *s, float *values, size_t most);
 
-/* A decimal number without regard to the locale, correctly rounded: [+-] digits [. digits] [e [+-] digits]. text must end
- * in a NUL somewhere. Returns the end of the number, or NULL if there is none. */
-const char *pbrt_number(const char *text, double *number);
-
 #endif

@@ -2,7 +2,6 @@
 #include "pbrt_params.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "texture.h"
 
+#include "large.h"
+
 #include "half.h"
 
 #include <math.h>
@@ -101,6 +103,6 @@ bool texture_fill(texture *t, io_image *image) {
 
 void texture_free(texture *t) {
     if (t == NULL) return;
-    free(t->texels);
+    large_release(t->texels);
     free(t);
 }

@@ -30,11 +30,9 @@ const char *words_closest(const char *word, const char *const *words, size_t cou
     const char *best = NULL;
     size_t best_distance = strlen(word) / 3 + 2; /* a slip or two in a short word, more in a long one */
     for (size_t k = 0; k < count; k++) {
-        const size_t distance = edit_distance(word, words[k]);
-        if (distance < best_distance && distance < strlen(words[k])) {
-            best = words[k];
-            best_distance = distance;
-        }
+        const bool begun = word[0] != '\0' && strncmp(words[k], word, strlen(word)) == 0; /* as if a slip */
+        const size_t distance = begun ? 1 : edit_distance(word, words[k]);
+        if (distance < best_distance && distance < strlen(words[k])) best = words[k], best_distance = distance;
     }
     return best;
 }

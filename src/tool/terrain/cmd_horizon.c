@@ -11,7 +11,6 @@
 #include "table.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static const char name[] = "horizon";
 
@@ -153,6 +152,7 @@ static bool begin(product *p, io_error *error) {
     product_note(p, "DIRECTIONS=%u", c->directions);
     product_note(p, "FIRST_AZIMUTH=%.9g", c->desc.start);
     product_note(p, "ANGLES=degrees; azimuth from the map's north over east");
+    if (c->desc.max_distance > 0) product_note(p, "MAX_DISTANCE=%.9g", c->desc.max_distance);
     product_note(p, "CURVATURE=%.9g", c->desc.curvature);
     /* Bands are called by their direction, as GRASS numbers none of them alike. */
     for (unsigned k = 0; k < c->directions && !c->sum; k++)

@@ -12,7 +12,7 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
+#include <unistd.h>
 
 static const char name[] = "los";
 
@@ -32,19 +32,19 @@ typedef struct los_command {
     size_t columns[7]; /* of names */
 } los_command;
 
-/* For three decimals: without the sign of a number that they round to 0. */
-static double no_minus(double metres) { return metres > -0.0005 && metres < 0.0005 ? 0 : metres; }
+/* Without the sign of a number that is rounded to 0. */
+static double no_minus(double x, double half) { return x > -half && x < half ? 0 : x; }
 
 /* The rows of one line. */
 static bool write_profile(los_command *c, size_t number, io_error *error) {
     io_output *to = &c->profiles;
     for (size_t k = 0; k < c->along.count; k++) {
         const line_row r = line_row_of(&c->line, c->megahertz, &c->along.points[k]);
-        const double over = no_minus(r.line);
+        const double over = no_minus(r.line, 0.0005);
         bool good = io_output_print(to, error, "%zu,%.3f,%.12g,%.12g,", number, r.distance, r.x, r.y);
-        good =
-            good && (isnan(r.ground) ? io_output_print(to, error, ",%.3f,", over)
-                                     : io_output_print(to, error, "%.3f,%.3f,%.0f", no_minus(r.ground), over, r.seen));
+        good = good && (isnan(r.ground)
+                            ? io_output_print(to, error, ",%.3f,", over)
+                            : io_output_print(to, error, "%.3f,%.3f,%.0f", no_minus(r.ground, 0.0005), over, r.seen));
         good = good && (isnan(r.radius) || io_output_print(to, error, ",%.3f", r.radius));
         if (!good || !io_output_write(to, "\n", 1, error)) return false;
     }
@@ -79,14 +79,14 @@ static void print(const los_command *c) {
     const line *l = &c->line;
     if (l->blocked)
         printf("blocked: %.3f m from the first place, of %.3f m, at a height of %.3f m\nat %.10g,%.10g\n",
-               l->block_distance, l->length, no_minus(l->block_height), l->block[0], l->block[1]);
+               l->block_distance, l->length, no_minus(l->block_height, 0.0005), l->block[0], l->block[1]);
     else
         printf("visible: %.3f m\n", l->length);
     if (c->megahertz > 0 && isnan(c->free.share))
         puts("no ground lies between the places");
     else if (c->megahertz > 0)
         printf("least clearance: %.0f %% of the first Fresnel zone's radius of %.3f m, %.3f m from the first place\n",
-               100 * c->free.share, c->free.radius, c->free.distance);
+               no_minus(100 * c->free.share, 0.5), c->free.radius, c->free.distance);
 }
 
 /* ---- pairs of a table ----------------------------------------------------------------------------------------------- */
@@ -111,12 +111,13 @@ static bool write_row(los_command *c, size_t row, io_error *error) {
                          l->ends[1][0], l->ends[1][1], !l->blocked, l->length))
         return false;
     if (!(l->blocked ? io_output_print(to, error, "%.3f,%.12g,%.12g,%.3f", l->block_distance, l->block[0], l->block[1],
-                                       no_minus(l->block_height))
+                                       no_minus(l->block_height, 0.0005))
                      : io_output_print(to, error, ",,,")))
         return false;
-    if (c->megahertz > 0 && !(isnan(c->free.share) ? io_output_print(to, error, ",,,")
-                                                   : io_output_print(to, error, ",%.4f,%.3f,%.3f", c->free.share,
-                                                                     c->free.distance, c->free.radius)))
+    if (c->megahertz > 0 &&
+        !(isnan(c->free.share) ? io_output_print(to, error, ",,,")
+                               : io_output_print(to, error, ",%.4f,%.3f,%.3f", no_minus(c->free.share, 0.00005),
+                                                 c->free.distance, c->free.radius)))
         return false;
     return (!is_named(c) || io_table_write_cell(to, name_of(c, row), error)) && io_output_write(to, "\n", 1, error);
 }
@@ -190,7 +191,8 @@ static bool check(los_command *c, const char *const given[3]) {
         return command_refuse(name, "%s is missing, or --pairs FILE", places ? "TO" : "FROM");
     if (c->output && !c->pairs) return command_refuse(name, "-o goes with --pairs FILE");
     if (c->json && c->pairs) return command_refuse(name, "--json goes with two places; the answers of --pairs are CSV");
-    if (c->profile && strcmp(c->profile, c->output ? c->output : "-") == 0)
+    if (c->profile && io_output_descriptor(c->profile) == STDOUT_FILENO &&
+        io_output_descriptor(c->output ? c->output : "-") == STDOUT_FILENO)
         return command_refuse(name, "--profile needs a file that nothing else is written to");
     return !places || (product_parse_place(name, given[1], 0, &c->places[0]) &&
                        product_parse_place(name, given[2], 0, &c->places[1]));

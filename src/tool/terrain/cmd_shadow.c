@@ -6,7 +6,6 @@
 #include "suns.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static const char name[] = "shadow";
 

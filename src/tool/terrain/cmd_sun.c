@@ -205,7 +205,7 @@ static bool check(void *context, size_t *bands) {
     if ((c->last + day - c->at.first) / c->at.desc.step > SUNS_MOST)
         return command_refuse(name, "there are more than %d steps from %s to %s; give a longer --step", SUNS_MOST,
                               c->date, c->to ? c->to : c->date);
-    if (c->place && (ground_numbers(c->place, lon_lat, 2, 2) == 0 || fabs(lon_lat[1]) > 90))
+    if (c->place && (ground_numbers(c->place, lon_lat, 2, 2) == 0 || fabs(lon_lat[0]) > 360 || fabs(lon_lat[1]) > 90))
         return command_refuse(name, "--lon-lat takes longitude and latitude in degrees, as 6.1,49.8, not '%s'",
                               c->place);
     if (c->at.desc.max_distance > 0 && !c->at.at) return command_refuse(name, "--max-distance goes with --at");
@@ -219,7 +219,7 @@ static bool check(void *context, size_t *bands) {
     *bands = c->bands = c->at.at ? 0 : c->irradiance && !c->at.suns ? BANDS : 1;
     c->at.days = (size_t)nearbyint((c->last - c->at.first) / day) + 1;
     c->at.placed = c->place != NULL;
-    c->at.desc.place = (sun_place){lon_lat[0], lon_lat[1], 0};
+    c->at.desc.place = (sun_place){remainder(lon_lat[0], 360), lon_lat[1], 0};
     return sun_table_check(&c->at, name);
 }
 

@@ -5,7 +5,6 @@
 #include "viewshed_make.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static const char name[] = "viewshed";
 
@@ -99,7 +98,7 @@ static int run(int argc, char **argv) {
                      "height of the target above ground, in metres (default: 0, the ground)"),
         option_metres("max-distance", &c.look.farthest,
                       "samples farther away than D metres are not seen, nor read and written (default: no limit)"),
-        option_range("min-distance", "D", &c.look.nearest, 0, DBL_MAX, "metres",
+        option_range("min-distance", "D", &c.look.nearest, 0, DBL_MAX, "metres from 0 on",
                      "samples nearer than D metres are not seen, but block the view (default: 0)"),
         option_text("azimuth", "A,B", &c.azimuth,
                     "only samples in directions from azimuth A clockwise to B, in degrees from the map's north: 350,10 "

@@ -86,7 +86,7 @@ static bool begin(product *p, io_error *error) {
     product_note(p, "EVERY=%u", c->every);
     product_note(p, "OBSERVER_HEIGHT=%.9g", d->height);
     product_note(p, "TARGET_HEIGHT=%.9g", d->target);
-    product_note(p, "MAX_DISTANCE=%.9g", d->max_distance);
+    if (d->max_distance > 0) product_note(p, "MAX_DISTANCE=%.9g", d->max_distance);
     product_note(p, "CURVATURE=%.9g", d->curvature);
     p->matters.distance = d->max_distance;
     p->more = turned_bytes(c) + 8 +

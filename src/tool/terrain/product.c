@@ -37,21 +37,20 @@ static void add_rows(product *p, option_spec *to) {
     memcpy(to, rows, sizeof rows);
 }
 
-static option_spec curvature_row(double *curvature, double most, const char *takes, const char *help) {
-    return option_range("curvature", "K", curvature, 0, most, takes, help);
+static option_spec curvature_row(double *curvature, const char *help) {
+    return option_range("curvature", "K", curvature, 0, 1e9, "a number from 0 to 1e9", help);
 }
 
 option_spec product_flat_earth_row(double *curvature) {
     return curvature_row(
-        curvature, DBL_MAX, "a number from 0 on",
+        curvature,
         "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 with usual refraction");
 }
 
 option_spec product_round_earth_row(double *curvature) {
     *curvature = NAN;
-    return curvature_row(curvature, 1e9, "a number from 0 to 1e9",
-                         "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 "
-                         "with usual refraction (default: 6/7, or 0 for a file without map and --cellsize)");
+    return curvature_row(curvature, "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 "
+                                    "with usual refraction (default: 6/7, or 0 for a file without map and --cellsize)");
 }
 
 bool product_parse_sun(const char *name, const char *text, double sun[2]) {
@@ -72,7 +71,7 @@ static double size_of_text(const char *text) {
     static const char units[] = "KMGT";
     char *end;
     double size = number_read(text, &end);
-    const char *unit = *end != '\0' ? strchr(units, *end & ~0x20) : NULL;
+    const char *unit = (*end & ~0x20) != 0 ? strchr(units, *end & ~0x20) : NULL; /* of a blank it is 0 */
     if (end == text || (*end != '\0' && (unit == NULL || end[1] != '\0'))) return NAN;
     for (const char *u = units; unit != NULL && u <= unit; u++) size *= 1000;
     return size;

@@ -3,7 +3,6 @@
 
 #include "command.h"
 #include "half.h"
-#include "inputs.h"
 #include "landscape.h"
 #include "suns.h"
 
@@ -109,7 +108,8 @@ static void shine(const view *v, landscape_desc *d) {
     memcpy(d->sun, sun, sizeof sun);
     d->sun_light = v->sun_at[1] > 0 ? sun_light : 0;
     d->sky_light = sky_light;
-    if (v->sun_at[1] <= 0) command_warn("render", "the sun is at %g degrees, not above the horizon", v->sun_at[1]);
+    if (v->sun_at[1] <= 0)
+        io_warn(&v->ground.watch.warn, "the sun is at %g degrees, not above the horizon", v->sun_at[1]);
     memcpy(d->horizon, horizon, sizeof horizon);
     memcpy(d->above, above, sizeof above);
     memcpy(d->plain, plain, sizeof plain);
@@ -247,10 +247,13 @@ static bool read_terrain(view *v, io_error *error) {
            raster_field_build(&v->lowered, g->path, &query, &g->watch, error);
 }
 
+static bool say_nothing(void *context, const char *step, double share) {
+    (void)context, (void)step, (void)share;
+    return true;
+}
+
 bool view_open(view *v, const field_options *fields, const char *path, io_error *error) {
     ground *g = &v->ground;
-    /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
-    if (!io_inputs_note_path(path)) return io_fail(error, "out of memory");
     *g = (ground){.path = path,
                   .reading = fields->reading,
                   .coarser = fields->coarser,
@@ -258,7 +261,7 @@ bool view_open(view *v, const field_options *fields, const char *path, io_error 
                   .query = fields->query,
                   .bytes = INFINITY};
     g->reading.north_up = true;
-    if (v->quiet) g->watch.warn.call = g->watch.note = NULL;
+    if (v->quiet) g->watch = (ground_watch){.tell = say_nothing};
     if (!read_terrain(v, error) || !make_scene(v, error)) return false;
     if (v->lowered.field) raster_field_close(&g->file);
     return true;

@@ -6,7 +6,6 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* NULL of a system that is damaged. */

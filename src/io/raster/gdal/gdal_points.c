@@ -5,11 +5,9 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
-#include <cpl_string.h>
 #include <gdal_alg.h>
 #include <math.h>
 #include <ogr_api.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -122,7 +120,7 @@ static void note_others(const reader *r, OGRFeatureH f, bool others[FIELDS_MOST]
     }
 }
 
-/* Heights that are passed over in silence would be taken for the usual one. */
+/* Else a height under another name would silently become the usual one. */
 static void warn_of_others(const reader *r, OGRFeatureDefnH about, const bool others[FIELDS_MOST]) {
     char list[300] = "";
     for (int k = 0; k < FIELDS_MOST; k++)

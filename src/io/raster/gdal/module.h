@@ -11,7 +11,7 @@
 #include "raster.h"
 #include "raster_out.h"
 
-/* Functions of the program that the module calls, which does not hold them. */
+/* The program's functions that the module calls; it is not linked to them. */
 typedef struct io_gdal_program {
     const io_gdal_host *host; /* NULL where the process is not the program's own */
     __typeof__(io_inputs_note_path) *note;

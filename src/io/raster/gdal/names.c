@@ -4,7 +4,6 @@
 
 #include "parts.h"
 
-#include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
@@ -41,9 +40,10 @@ static bool is_special(char *path) {
     return !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode);
 }
 
-/* A name may hold that of another file: /vsigzip/FILE, /vsisubfile/0_9,FILE, GTIFF_DIR:1:FILE, NETCDF:"FILE":z. Each of its words is
+/* Whether a name is, or holds the name of, a device, or a pipe or standard stream whose writer GDAL would wait for. A name may hold
+ * that of another file: /vsigzip/FILE, /vsisubfile/0_9,FILE, GTIFF_DIR:1:FILE, NETCDF:"FILE":z. Each of its words is
  * tried as a file, without the prefixes /vsi.../ before it. */
-bool gdal_waits(const char *name) {
+static bool gdal_waits(const char *name) {
     static const char marks[] = "\":,;=?&{}";
     char file[PATH_MAX];
     struct stat about;

@@ -14,8 +14,6 @@ bool gdal_fail(io_error *error, const char *name, const char *what);
 bool gdal_fail_read(io_error *error, const char *path, const char *what);
 /* Opens a file to be read; NULL after a failure. kind: GDAL_OF_RASTER or GDAL_OF_VECTOR. */
 GDALDatasetH gdal_open_name(const char *path, unsigned kind, io_error *error);
-/* Whether a name is, or holds the name of, a device, or a pipe or standard stream whose writer GDAL would wait for. */
-bool gdal_waits(const char *name);
 /* Notes the name of each file that a dataset is made of, and those that these name in turn, as a VRT does. False, with the error, if
  * one is such a pipe or device, or for lack of memory. Some names may be none of files. */
 bool gdal_note_files(GDALDatasetH file, const char *path, io_error *error);

@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 typedef struct source {
     GDALDatasetH file;
@@ -159,7 +158,7 @@ static bool is_no_data(const source *s, double value) {
     return is;
 }
 
-/* The file's among floats, which may have been rounded to float on its way into a header of text, or not. raster.c drops the caller's. */
+/* Drops the file's no-data value. A header may spell it rounded to float or not, so floats are compared. raster.c drops the caller's. */
 static void drop_no_data(const source *s, float *z) {
     const float value = s->has_nodata ? (float)s->nodata : NAN; /* which equals nothing */
     for (int i = 0; i < s->nx; i++)
