@@ -273,7 +273,7 @@ enum { CW_TRIANGLE_A = 0, CW_TRIANGLE_B = 1 };
 
 /* With p0, p1, p2 the triangle's vertices in the order given at the top, the hit is p0 + u (p1 - p0) + v (p2 - p0).
  * t counts from the ray's origin as given, and lies in [tmin, tmax]. It is the exact t
- * rounded to the nearest float, or to the next one if it is within 2^-50 of it of the middle of the two, and u and v
+ * rounded to the nearest float (if it is within 2^-50 of itself of the middle between two floats, to either), and u and v
  * are within 1.25 · 2^-24 of theirs, with four exceptions: the ray passes within rounding of the triangle's edge; it is
  * all but parallel to the triangle; its range begins or ends within rounding of the surface, where t may be that end;
  * or t is so small, as below 1e-10 in a field of unit heights, that the rounding of the heights in double counts.
@@ -288,8 +288,8 @@ typedef struct cw_hit {
 } cw_hit;
 
 /* The closest hit of each of n rays (n may be 0). rays and hits must not overlap. The answer for a ray does not
- * depend on the others, its place in the array or the number of threads. With AVX-512 one ray a call costs 2 to 12 times
- * as much as one of a call of 64, most where rays are alike (`cellwalk-bench measure single`). Fails with
+ * depend on the others, its place in the array or the number of threads. One ray a call costs several times as much as
+ * one of a larger call, most where rays are alike (`cellwalk-bench measure single`). Fails with
  * CW_ERROR_ARGUMENT, _BUSY during an update without wait, or _CANCELLED; with a watch also _MEMORY. */
 CW_API cw_status cw_closest(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits);
 

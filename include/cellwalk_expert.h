@@ -91,7 +91,7 @@ static inline cw_kernel_info cw_kernel_describe(const cw_kernel *kernel) {
 /* CW_OK if a query with this run on this field would start; field NULL stands for one that has every structure. */
 CW_API cw_status cw_run_check(const cw_field *field, const cw_run *run);
 
-/* The kernel that a query of many rays with this run uses, on any field. */
+/* The kernel that a query of many rays with this run uses; field is ignored and may be NULL. */
 CW_API const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run);
 
 /* Makes the structure that run's kernel needs beside the bounds, if any, unless the field has it. cw_field_create does so for the
@@ -112,7 +112,7 @@ CW_API void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work,
 
 /* ---- headings --------------------------------------------------------------------------------------------------- */
 
-/* In libcellwalk_terrain. Sunlight, or the view in one compass direction: rays that leave from many samples in the same direction. Each
+/* A heading traces rays that leave many samples in one direction, as for sunlight. It is in libcellwalk_terrain. Each ray
  * starts exactly on the surface at its sample and meets everything beyond it, so no ray has to be lifted off the
  * ground. This is faster than a query with one ray for each sample.
  *

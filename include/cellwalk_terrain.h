@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
-/* Cellwalk's terrain library, libcellwalk_terrain, computes what terrain people ask of a height field: coarser fields, shadow and
- * sunlight, horizons, sky views, viewsheds, lines of sight and how much each place sees. It needs libcellwalk and libm.
+/* Cellwalk's terrain library, libcellwalk_terrain, computes coarser fields, shadow and sunlight, horizons, sky views, viewsheds,
+ * lines of sight and how much each place sees. It requires libcellwalk and libm.
  *
  * The rules of cellwalk.h hold. Functions return a cw_status and leave a sentence for cw_last_error. Structs that the caller fills
  * end in reserved members, which must be 0, and zero is the default. Records (cw_area, cw_sight, cw_sight_answer) never change. No
@@ -142,7 +142,7 @@ typedef struct cw_horizon {
 CW_API cw_status cw_horizon_azimuths(const cw_terrain *terrain, const cw_horizon *horizon, double *azimuths);
 
 /* degrees: the angle of the highest point of the terrain in direction number, from 0 to count - 1, over the level of the sample;
- * negative below it, within 0.003 degrees. metres: how far that point is; the nearest of several. NaN at a hole, and where the
+ * negative below it. On a map in degrees it is within 0.003 degrees. metres: how far that point is; the nearest of several. NaN at a hole, and where the
  * terrain ends at the sample or nothing of it is within max_distance. Either may be NULL. */
 CW_API cw_status cw_horizon_angles(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon,
                                    uint32_t number, cw_area area, float *degrees, float *metres);
