@@ -173,7 +173,9 @@ cw_status cw_horizon_angles(const cw_terrain *t, const cw_run *run, const cw_hor
     if (status == CW_OK && (degrees || !metres))
         status = cw_compass_make(&h.compass, area, &angles, sizeof *degrees, 0, fill_angles, &h, degrees, "degrees");
     if (status == CW_OK && metres) {
-        status = cw_terrain_bounds(t, &h.bounds);
+        door_pass in;
+        status = cw_terrain_enter(t, &in) ? cw_terrain_bounds(t, &h.bounds) : cw_fail_plainly(CW_ERROR_BUSY);
+        cw_field_leave(in);
         if (status == CW_OK)
             status =
                 cw_compass_make(&h.compass, area, &distances, sizeof *metres, 0, fill_angles, &h, metres, "metres");

@@ -232,8 +232,7 @@ def test_coordinates_are_centres(y_step):
     d = dem(y_step=y_step)
     field = cw.Field(d)
     i, j = 12, 33
-    assert field.at(float(d.x[i]), float(d.y[j])) == d.values[j, i]
-    assert field.map[:2].tolist() == [[30, 0, 0, 600015], [0, y_step, 0, 5199985]]
+    assert field.at(float(d.x[i]), float(d.y[j])) == d.values[j, i] and field.map[:2].tolist() == [[30, 0, 0, 600015], [0, y_step, 0, 5199985]]
     rays = random_rays(field, 1000)
     same_hits(field.closest(rays), cw.Field(d.values, transform=(30, 0, 600000, 0, y_step, 5199985 - y_step / 2)).closest(rays))
 

@@ -80,8 +80,7 @@ def test_masked_rays_miss(dtype):
     rays = np.ma.masked_array(np.tile(np.array([3, 3, 90, 0, 0, -1]), (5, 1)).astype(dtype))
     assert FIELD.closest(rays).hit.all()
     rays[1, 2] = rays[3, 5] = np.ma.masked
-    assert FIELD.closest(rays).hit.tolist() == [True, False, True, False, True]
-    assert FIELD.occluded(rays).tolist() == [True, False, True, False, True]
+    assert FIELD.closest(rays).hit.tolist() == [True, False, True, False, True] and FIELD.occluded(rays).tolist() == [True, False, True, False, True]
     assert np.isnan(FIELD.at(np.ma.masked_array([3, 3], [False, True]), 3)).tolist() == [False, True]
 
 

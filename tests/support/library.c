@@ -199,9 +199,12 @@ static void release(void *context, void *memory) {
     if (context) --*(int64_t *)context;
     free(memory);
 }
-/* context: the last share, and the one from which on the call ends. */
+/* context: the last share, the one from which on the call ends, and the field if its updates are kept out. */
 static bool watch(void *context, double done) {
     double *seen = context;
+    cw_field *field = (cw_field *)(uintptr_t)seen[2];
+    const cw_field_info info = field ? cw_field_describe(field) : (cw_field_info){0};
+    stop_unless(!field || cw_field_move(field, (const double(*)[4])info.map, 0) == CW_ERROR_BUSY, "an update comes in");
     stop_unless(done >= seen[0] && done <= 1, "a share that shrinks, or is more than all");
     seen[0] = done;
     return done < seen[1];

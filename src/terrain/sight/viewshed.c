@@ -243,23 +243,22 @@ cw_status cw_viewshed(const cw_terrain *t, const cw_run *run, const cw_observer 
     const uint32_t flags = CW_OBSERVER_AZIMUTHS | CW_OBSERVER_VERTICALS;
     if (t == NULL || from == NULL || view == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", !t ? "terrain" : !from ? "from" : "view");
-    double eye[3];
     cw_status status = cw_check_reserved(from->reserved, 8, 0, "cw_observer");
     if (status == CW_OK) status = cw_check_number("absolute", from->absolute, 0, 1);
     if (status == CW_OK) status = cw_check_number("limits", from->limits, 0, flags);
-    if (status == CW_OK) status = find_eye(t, from, eye);
-    const sight_bounds *bounds;
-    if (status == CW_OK) status = cw_terrain_bounds(t, &bounds);
     if (status != CW_OK) return status;
+    double eye[3];
     sight s;
-    cw_sight_init(&s, t, bounds, eye, from->curvature);
     door_pass in;
-    if (cw_terrain_enter(t, &in)) {
+    const sight_bounds *bounds;
+    if (!cw_terrain_enter(t, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
+    status = find_eye(t, from, eye);
+    if (status == CW_OK) status = cw_terrain_bounds(t, &bounds);
+    if (status == CW_OK) {
+        cw_sight_init(&s, t, bounds, eye, from->curvature);
         status = cw_viewshed_from(&s, from, run, area, view);
-        cw_field_leave(in);
-    } else {
-        status = cw_fail_plainly(CW_ERROR_BUSY);
+        cw_terrain_bounds_release(t, bounds);
     }
-    cw_terrain_bounds_release(t, bounds);
+    cw_field_leave(in);
     return status;
 }
