@@ -124,7 +124,7 @@ CW_API cw_status cw_sunlight(const cw_terrain *terrain, const cw_run *run, const
 
 /* Flags. */
 enum {
-    CW_HORIZON_TILTED = 1, /* of cw_sky_view: for the ground as it leans */
+    CW_HORIZON_TILTED = 1, /* of cw_sky_view: for the ground as it leans; cw_openness ignores it */
     /* Of cw_openness: of the terrain upside down, which is held meanwhile. Only with curvature 0. */
     CW_HORIZON_BELOW = 2
 };
@@ -183,10 +183,11 @@ typedef struct cw_observer {
 
 /* Outputs, of which those that are not NULL are computed. */
 typedef struct cw_view {
-    uint16_t *seen; /* grows by 1 where the target is seen, so it counts observers over several calls */
-    double *sum;    /* grows by weight there */
-    double weight;  /* any number; 0: 1 */
-    float *angle;   /* of the target over the eye's horizontal in degrees; NaN where it is not seen */
+    uint16_t
+        *seen; /* grows by 1 where the target is seen, so it counts observers over several calls; after 65535 comes 0 */
+    double *sum;   /* grows by weight there */
+    double weight; /* any number; 0: 1 */
+    float *angle;  /* of the target over the eye's horizontal in degrees; NaN where it is not seen */
     /* Metres above the ground that are needed to be seen; 0: the ground is; NaN at a hole and beyond limits. */
     float *needed;
     uint64_t reserved[8]; /* 0 */
@@ -215,7 +216,7 @@ enum {
 };
 
 typedef struct cw_sight_answer {
-    double metres;     /* between the places on the map */
+    double metres;     /* between the places on the map; NaN unless the state is seen or blocked */
     double blocked[3]; /* the first block: map x, y, and absolute height of the line; NaN: there is none */
     double distance;   /* of the block from the first place, in metres on the map; NaN: there is none */
     uint32_t state;    /* CW_SIGHT_… */

@@ -11,6 +11,8 @@ cw_status cw_check_number(const char *name, double value, double least, double m
 /* So far under the ground a place may be, in metres: its height may come from decimals, and floats are known to half a millimetre at
  * 8000 m. */
 #define CW_LEAST_DEPTH 1e-3
+/* Heights of eyes and targets, in the samples' numbers. Samples are within it too, and products of exact decisions do not overflow. */
+#define CW_EYE_HEIGHT_MOST 0x1p120
 
 /* Fails unless both pointers are there, and the area is a part of the terrain. All of it if it is empty. *how becomes *run. */
 cw_status cw_area_begin(const terrain *t, const void *desc, const char *name, const cw_run *run, cw_area *area,

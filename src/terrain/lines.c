@@ -20,7 +20,7 @@ static uint32_t find_place(const terrain *t, const double place[3], bool absolut
     at[2] = height / terrain_metres_of_height(t);
     if (!absolute && isnan(level)) return CW_SIGHT_NO_GROUND;
     if (height < level - CW_LEAST_DEPTH) return CW_SIGHT_UNDER_GROUND;
-    return isfinite(at[2]) ? CW_SIGHT_SEEN : CW_SIGHT_TOO_FAR;
+    return fabs(at[2]) <= CW_EYE_HEIGHT_MOST ? CW_SIGHT_SEEN : CW_SIGHT_TOO_FAR;
 }
 
 static cw_sight_answer look_along(const looking *l, const cw_sight *line) {

@@ -227,8 +227,8 @@ bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_err
     return true;
 }
 
-/* The world file is renamed right after the picture, in place of the one before it, whose rights it keeps. If it cannot be, the old one would put the
- * new picture in the wrong place. */
+/* The world file is renamed right after the picture, in place of the one before it, whose rights it keeps. If it cannot be, the
+ * old one would put the new picture in the wrong place. */
 static bool commit(io_raster_writer *w, io_error *error) {
     static const char *const world_file[] = {"*.pgw", NULL};
     char target[PATH_MAX], name[PATH_MAX]; /* beside either, programs look for sidecars */

@@ -22,8 +22,8 @@
 
 enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, BESIDE = 3 };
 
-/* Rows after which bins are looked at again, as the skyline only rises and old lows are bounds too; and rows between ticks. */
-enum { LOWS_EVERY = 4, TICK_EVERY = 16 };
+/* Rows after which bins are looked at again, as the skyline only rises and old lows are bounds too. */
+enum { LOWS_EVERY = 4 };
 
 /* Whether something next to the eye may be that high at a distance. A direction at a border of two ranges, as far as rounding can
  * tell, has the steeper rise. */
@@ -344,12 +344,11 @@ static void go_on(sweep_part *p, long row, const float *far) {
     p->back_before = swap;
 }
 
-static bool sweep(sweep_part *p, double most, sweep_tick *tick) {
+static bool sweep(sweep_part *p, double most) {
     /* The first row that is not the eye's own. */
     long row = p->outward > 0 ? (long)floor(p->eye) + 1 : (long)ceil(p->eye) - 1;
     if (p->outward > 0 ? row < 0 : row >= p->rows) row = p->outward > 0 ? 0 : p->rows - 1;
     for (; row >= 0 && row < p->rows && sweep_distance(p, row) <= most; row += p->outward) {
-        if (row % TICK_EVERY == 0 && !tick(p->context)) return true;
         while (sweep_distance(p, row) * p->width > 2 * BIN_CELLS)
             if (!refine(p)) return false;
         const float *far = cw_sweep_fetch(p, row);
@@ -369,7 +368,7 @@ void cw_sweep_directions(unsigned number, double directions[2][2]) {
 }
 
 bool cw_sweep_part(const sight *s, unsigned number, double most, double target, sweep_visit *visit,
-                   sweep_visit_span *visit_span, sweep_tick *tick, void *context) {
+                   sweep_visit_span *visit_span, void *context) {
     const terrain *t = s->terrain;
     const unsigned quarter = number / SLICES, slice = number % SLICES;
     sweep_part p = {.sight = s, .swapped = quarter >= 2, .outward = quarter % 2 ? -1 : 1};
@@ -400,7 +399,7 @@ bool cw_sweep_part(const sight *s, unsigned number, double most, double target, 
         p.starts = (uint32_t *)(lines + 5 * length) + SWEEP_PAD; /* piece 0 begins nowhere */
         *p.of = (sweep_bin){-INFINITY, {-INFINITY, -INFINITY, -INFINITY}, SKYLINE_FIRST};
         look_around(&p);
-        good = sweep(&p, most, tick);
+        good = sweep(&p, most);
     }
     cw_skyline_free(&p.line);
     free(p.of);

@@ -35,9 +35,6 @@ enum { SWEEP_SPAN_MOST = 64 };
 /* Called in place of sweep_visit. The bits of samples that are to be visited after all. */
 typedef uint64_t sweep_visit_span(void *context, const sweep_span *span);
 
-/* Called now and then, from the thread that does the part. False ends it. */
-typedef bool sweep_tick(void *context);
-
 /* The sweep comes in parts, any of which may be done alone. */
 enum { SWEEP_PARTS = 64 };
 
@@ -47,6 +44,6 @@ void cw_sweep_directions(unsigned part, double directions[2][2]);
 /* Samples farther away than most cells, on the longer axis, are left out. target may be infinite: then all are
  * visited. False if memory is short. */
 bool cw_sweep_part(const sight *s, unsigned part, double most, double target, sweep_visit *visit,
-                   sweep_visit_span *visit_span, sweep_tick *tick, void *context);
+                   sweep_visit_span *visit_span, void *context);
 
 #endif

@@ -37,7 +37,6 @@ bool cw_view_limits_init(view_limits *l, const sight *s, const cw_observer *give
                        .has_sector = (given->limits & CW_OBSERVER_AZIMUTHS) != 0,
                        .has_verticals = (given->limits & CW_OBSERVER_VERTICALS) != 0};
     cw_terrain_metres(s->terrain, s->eye[0], s->eye[1], l->metres);
-    if (!(given->nearest >= 0 && given->farthest >= 0)) return false;
     if (l->has_sector && !init_sector(l)) return false;
     if (l->has_verticals && !init_verticals(l)) return false;
     l->any = given->nearest > 0 || given->farthest > 0 || l->has_sector || l->has_verticals;

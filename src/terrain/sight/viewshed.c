@@ -24,10 +24,7 @@ typedef struct job {
     cw_area area;
     cw_view to;
     bool heights;
-    const cw_run *run;
-    atomic_flag telling; /* one thread at a time */
-    atomic_uint parts;   /* that are done */
-    atomic_bool failed, stopped;
+    atomic_bool failed;
 } job;
 
 /* The number of an output, or SIZE_MAX outside the area. */
@@ -132,16 +129,6 @@ static uint64_t measure_span(void *context, const sweep_span *s) {
     return left;
 }
 
-static bool tell(void *context) {
-    job *q = context;
-    if (q->run->watch && !atomic_flag_test_and_set(&q->telling)) {
-        if (!q->run->watch(q->run->watch_context, (double)atomic_load(&q->parts) / SWEEP_PARTS))
-            atomic_store(&q->stopped, true);
-        atomic_flag_clear(&q->telling);
-    }
-    return !atomic_load_explicit(&q->stopped, memory_order_relaxed);
-}
-
 static void sweep_parts(void *context, size_t begin, size_t end) {
     job *q = context;
     const viewshed *v = q->v;
@@ -150,9 +137,8 @@ static void sweep_parts(void *context, size_t begin, size_t end) {
         cw_sweep_directions((unsigned)k, directions);
         if (cw_view_limits_meet(&v->limits, directions[0], directions[1]) &&
             !cw_sweep_part(v->sight, (unsigned)k, v->most, q->heights ? INFINITY : v->target,
-                           q->heights ? measure_sample : see_sample, q->heights ? measure_span : see_span, tell, q))
+                           q->heights ? measure_sample : see_sample, q->heights ? measure_span : see_span, q))
             atomic_store(&q->failed, true);
-        atomic_fetch_add(&q->parts, 1);
     }
 }
 
@@ -167,14 +153,13 @@ static bool own_sample(const viewshed *v, size_t at[2]) {
 }
 
 static cw_status sweep(const viewshed *v, const cw_run *run, cw_area area, const cw_view *to, bool heights) {
-    job q = {.v = v, .area = area, .to = *to, .heights = heights, .run = run};
+    job q = {.v = v, .area = area, .to = *to, .heights = heights};
     float *numbers = heights ? to->needed : to->angle;
     for (size_t y = 0; y < area.at.ny && numbers; y++)
         for (size_t x = 0; x < area.at.nx; x++) numbers[y * area.stride + x] = NAN;
-    atomic_flag_clear(&q.telling);
-    cw_pool_run(run->pool, SWEEP_PARTS, 1, sweep_parts, &q);
+    const cw_status status = cw_run_work(run, SWEEP_PARTS, 1, 1, sweep_parts, &q);
     if (atomic_load(&q.failed)) return cw_fail_plainly(CW_ERROR_MEMORY);
-    if (atomic_load(&q.stopped)) return cw_fail_plainly(CW_ERROR_CANCELLED);
+    if (status != CW_OK) return status;
     size_t own[2];
     if (!own_sample(v, own)) return CW_OK;
     const size_t k = place_of(&q, own[0], own[1]);
@@ -198,9 +183,10 @@ cw_status cw_viewshed_from(const sight *s, const cw_observer *from, const cw_run
     if (status == CW_OK) status = cw_check_number("weight", view->weight, -DBL_MAX, DBL_MAX);
     if (status == CW_OK && view->needed && (from->limits & CW_OBSERVER_VERTICALS) != 0)
         status = cw_fail(CW_ERROR_ARGUMENT, "needed: does not go with CW_OBSERVER_VERTICALS");
+    if (status == CW_OK) status = cw_check_number("nearest", from->nearest, 0, INFINITY);
+    if (status == CW_OK) status = cw_check_number("farthest", from->farthest, 0, INFINITY);
     if (status == CW_OK && !cw_view_limits_init(&v.limits, s, from))
-        status =
-            cw_fail(CW_ERROR_ARGUMENT, "nearest, farthest, azimuths, verticals: a number is none, or out of range");
+        status = cw_fail(CW_ERROR_ARGUMENT, "azimuths, verticals: a number is none, or out of range");
     if (status != CW_OK) return status;
     double cells = 0; /* that a metre is long at most */
     for (int k = 0; k < 2; k++)
@@ -215,9 +201,6 @@ cw_status cw_viewshed_from(const sight *s, const cw_observer *from, const cw_run
     return status == CW_OK && to.needed ? sweep(&v, &other, area, &to, true) : status;
 }
 
-/* Samples are within it too, and the products of exact decisions stay far below overflow. */
-static const double most_height = 0x1p120;
-
 /* The observer's eye in field coordinates and the samples' numbers. */
 static cw_status find_eye(const terrain *t, const cw_observer *from, double eye[3]) {
     if (!cw_terrain_find_place(t, from->x, from->y, eye))
@@ -231,8 +214,9 @@ static cw_status find_eye(const terrain *t, const cw_observer *from, double eye[
                        from->x, from->y);
     if (isnan(eye[2]))
         return cw_fail(CW_ERROR_ARGUMENT, "x, y: there is no ground to stand on, or height is no number");
-    cw_status status = cw_check_number("height", eye[2], -most_height, most_height);
-    if (status == CW_OK) status = cw_check_number("target", from->target / metres, -most_height, most_height);
+    const double most = CW_EYE_HEIGHT_MOST * metres;
+    cw_status status = cw_check_number("height", height, -most, most);
+    if (status == CW_OK) status = cw_check_number("target", from->target, -most, most);
     if (status == CW_OK) status = cw_check_number("curvature", from->curvature, 0, 1e9);
     return status;
 }

@@ -39,7 +39,8 @@ __attribute__((format(printf, 2, 3))) int command_fail(const char *name, const c
 #define command_note(...)       ((void)command_fail(__VA_ARGS__))
 #define command_warn(name, ...) command_note(name, "warning: " __VA_ARGS__)
 
-/* Prints the line at the end of a command, "FILE: TEXT, 0.31 s"; start: clock_seconds() at its beginning. Not if quiet, nor if the file is NULL or "-". */
+/* Prints the line at the end of a command, "FILE: TEXT, 0.31 s". Not if quiet, nor if the file is NULL or "-".
+ * start: clock_seconds() at its beginning. */
 __attribute__((format(printf, 5, 6))) void command_wrote(const char *name, bool quiet, const char *file, double start,
                                                          const char *format, ...);
 
