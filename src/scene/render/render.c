@@ -183,7 +183,7 @@ bool scene_render(const scene *s, const scene_render_options *options, io_image 
     bool good = render_planned(&r, options->tracer ? options->tracer : &standard, stats, error);
     plan_free(&r.plan);
     const cw_status status = (cw_status)atomic_load(&own.status);
-    if (good && status != CW_OK) good = io_fail(error, "%s", cw_status_message(status));
+    if (good && status != CW_OK) good = io_fail(error, "%s", cw_last_error());
     if (!good) io_image_free(image);
     return good;
 }
