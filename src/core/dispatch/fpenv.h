@@ -48,6 +48,6 @@ static inline void fpenv_leave(fpenv caller) { fesetenv(&caller); }
 
 /* The default environment until the block ends in which this stands. */
 static inline void fpenv_restore(const fpenv *caller) { fpenv_leave(*caller); }
-#define FPENV_HERE const fpenv fpenv_caller __attribute__((cleanup(fpenv_restore))) = fpenv_enter()
+#define FPENV_HERE const fpenv fpenv_caller __attribute__((cleanup(fpenv_restore), unused)) = fpenv_enter()
 
 #endif
