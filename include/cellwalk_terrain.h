@@ -142,8 +142,8 @@ typedef struct cw_horizon {
 CW_API cw_status cw_horizon_azimuths(const cw_terrain *terrain, const cw_horizon *horizon, double *azimuths);
 
 /* degrees: the angle of the highest point of the terrain in direction number, from 0 to count - 1, over the level of the sample;
- * negative below it. On a map in degrees it is within 0.003 degrees. metres: how far that point is; the nearest of several. NaN at a hole, and where the
- * terrain ends at the sample or nothing of it is within max_distance. Either may be NULL. */
+ * negative below it. On a map in degrees it is within 0.003 degrees. metres: how far that point is; the nearest of several.
+ * NaN at a hole, and where the terrain ends at the sample or nothing of it is within max_distance. Either may be NULL. */
 CW_API cw_status cw_horizon_angles(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon,
                                    uint32_t number, cw_area area, float *degrees, float *metres);
 
@@ -183,11 +183,10 @@ typedef struct cw_observer {
 
 /* Outputs, of which those that are not NULL are computed. */
 typedef struct cw_view {
-    uint16_t
-        *seen; /* grows by 1 where the target is seen, so it counts observers over several calls; after 65535 comes 0 */
-    double *sum;   /* grows by weight there */
-    double weight; /* any number; 0: 1 */
-    float *angle;  /* of the target over the eye's horizontal in degrees; NaN where it is not seen */
+    uint16_t *seen; /* grows by 1 where the target is seen: a count of observers over several calls, 0 after 65535 */
+    double *sum;    /* grows by weight there */
+    double weight;  /* any number; 0: 1 */
+    float *angle;   /* of the target over the eye's horizontal in degrees; NaN where it is not seen */
     /* Metres above the ground that are needed to be seen; 0: the ground is; NaN at a hole and beyond limits. */
     float *needed;
     uint64_t reserved[8]; /* 0 */

@@ -51,7 +51,7 @@ static size_t piece(const pool_job *j, size_t left) {
     return count < left ? count : left;
 }
 
-/* In the default environment, as a helper has that of the thread that made it. */
+/* A helper has the floating-point environment of the thread that made it, so each job sets the default one. */
 static void take_pieces(pool_job *j) {
     FPENV_HERE;
     size_t begin = atomic_load_explicit(&j->next, memory_order_relaxed);

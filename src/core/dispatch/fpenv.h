@@ -46,7 +46,7 @@ static inline fpenv fpenv_enter(void) {
 static inline void fpenv_leave(fpenv caller) { fesetenv(&caller); }
 #endif
 
-/* The default environment until the block ends in which this stands. */
+/* Sets the default environment until the end of the block in which this stands. */
 static inline void fpenv_restore(const fpenv *caller) { fpenv_leave(*caller); }
 #define FPENV_HERE const fpenv fpenv_caller __attribute__((cleanup(fpenv_restore), unused)) = fpenv_enter()
 
