@@ -115,8 +115,8 @@ typedef struct cw_light {
  * 255 at a hole. Rays start on the samples themselves; one that touches the surface is in the shadow. */
 CW_API cw_status cw_shadow(const cw_terrain *terrain, const cw_run *run, const cw_light *light, cw_area area,
                            uint8_t *lit);
-/* share: of the light, 0 to 1; NaN at a hole. Each strip of the disc is cut exactly at the horizon along its middle line. Normals
- * are Phong's (1975): the area-weighted mean of the triangles at the sample. */
+/* share: of the light, 0 to 1; NaN at a hole. Each strip of the disc is cut exactly at the horizon along its middle line; one
+ * that reaches the zenith is never hidden. Normals are Phong's (1975): the area-weighted mean of the triangles at the sample. */
 CW_API cw_status cw_sunlight(const cw_terrain *terrain, const cw_run *run, const cw_light *light, cw_area area,
                              float *share);
 

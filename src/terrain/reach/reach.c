@@ -145,7 +145,7 @@ void cw_reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
             const size_t column = (part.i + x) / REACH_BLOCK, k = (part.j + y) / REACH_BLOCK * b->across + column;
             const size_t until = (column + 1) * REACH_BLOCK - part.i;
             float low = b->low[k], high = b->high[k];
-            bool holes = b->holes && b->holes[k];
+            bool holes = b->holes[k];
             for (; x < part.nx && x < until; x++) {
                 const float here = z[x] - z[x] == 0 ? z[x] : NAN;
                 low = here < low ? here : low;
@@ -154,7 +154,7 @@ void cw_reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
             }
             b->low[k] = low;
             b->high[k] = high;
-            if (b->holes) b->holes[k] = holes;
+            b->holes[k] = holes;
             b->highest = high > b->highest ? high : b->highest;
         }
 }

@@ -33,7 +33,7 @@ typedef struct reach_blocks {
     const terrain *whole;
     size_t across, down;
     float *low, *high; /* low > high: all are holes, or were not taken */
-    bool *holes;       /* whether some are; NULL: nobody asks, as of shadows */
+    bool *holes;       /* whether some are */
     float highest;     /* of all */
 } reach_blocks;
 

@@ -236,8 +236,10 @@ static cw_status fill(void *context, const cw_run *run, cw_rectangle at, void *t
         const cw_status status = add_sector(s, &one, k, &a);
         if (status != CW_OK) return status;
     }
-    for (size_t k = 0; k < n; k++)
-        out[k] = isfinite(height_at(&a, k)) ? (float)((sums ? a.sum[k] : (double)out[k]) * s->hours) : NAN;
+    for (size_t k = 0; k < n; k++) {
+        const bool answers = isfinite(height_at(&a, k)) && !(s->energy && isnan(a.upright[k]));
+        out[k] = answers ? (float)((sums ? a.sum[k] : (double)out[k]) * s->hours) : NAN;
+    }
     return CW_OK;
 }
 

@@ -37,7 +37,7 @@ void cw_insolation_direction(const insolation *sum, size_t number, double *azimu
 cw_status cw_insolation_hours(insolation *sum, const cw_run *run, cw_area area, float *hours);
 
 /* Energy of the direct light on the surface as it leans, in Wh/m² of surface. Samples below -1000 m and above
- * 10000 m count as being there. */
+ * 10000 m count as being there. NaN at a hole, and at a sample of no triangle, which has no lean. */
 cw_status cw_insolation_direct(insolation *sum, const cw_run *run, cw_area area, float *energy);
 
 /* Energy of the diffuse light of the whole sky on level ground, in Wh/m²: the same at all heights. */

@@ -113,13 +113,11 @@ static void place_eyes(walking *w) {
 cw_status cw_visible_create(const cw_field *field, cw_rectangle at, size_t every, cw_visible **visible) {
     cw_visible *v = *visible = calloc(1, sizeof *v);
     if (v == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    v->field = field;
     v->samples = samples_of(field);
     v->i = at.i;
     v->j = at.j;
     v->every = every;
     v->nx = (at.nx + every - 1) / every;
-    v->ny = (at.ny + every - 1) / every;
     return CW_OK;
 }
 

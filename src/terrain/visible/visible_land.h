@@ -15,10 +15,9 @@
 enum { LAND, LEVEL, WAYS, BOUND, ARRAYS = BOUND + VISIBLE_LEVELS };
 
 struct cw_visible {
-    const cw_field *field;
     struct samples samples;
-    const visible_code *code;   /* for the present direction's run */
-    size_t i, j, every, nx, ny; /* eyes: the first one's sample, the gaps, and how many of them */
+    const visible_code *code; /* for the present direction's run */
+    size_t i, j, every, nx;   /* eyes: the first one's sample, the gaps, and how many of them stand in a row */
     struct {
         float *at;
         size_t count;
