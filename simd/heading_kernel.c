@@ -130,12 +130,13 @@ CW_INLINE void scan(group *g, const cw_crossing *from, const cw_crossing *end, b
     }
 }
 
-/* W samples from number k on; those outside the field's memory are 0. */
-static inline vfloat load_around(const cw_field *f, ptrdiff_t k) {
-    const ptrdiff_t count = (ptrdiff_t)(f->stride * (f->ny - 1) + f->nx);
-    if (k >= 0 && k + (ptrdiff_t)W <= count) return vf_load(f->z + k);
+/* W samples of row j from column i on; those outside the row are 0, for what lies between rows may be another's. */
+static inline vfloat load_around(const cw_field *f, int32_t j, int32_t i) {
+    const float *row = f->z + (size_t)j * f->stride;
+    const int32_t nx = (int32_t)f->nx;
+    if (i >= 0 && i + (int32_t)W <= nx) return vf_load(row + i);
     float z[W];
-    for (ptrdiff_t m = 0; m < (ptrdiff_t)W; m++) z[m] = k + m >= 0 && k + m < count ? f->z[k + m] : 0;
+    for (int32_t m = 0; m < (int32_t)W; m++) z[m] = i + m >= 0 && i + m < nx ? row[i + m] : 0;
     return vf_load(z);
 }
 
@@ -156,9 +157,10 @@ static void scan_partly(group *g, const cw_crossing *from, const cw_crossing *en
             /* Lanes from the first whose first sample lies in the row to the last whose second one does. */
             const vfloat low = vf_set((float)-i), high = vf_set((float)((int32_t)f->nx - 1 - (c->i_kind & 1) - i));
             const vmask inside = vm_and(vf_ge(column, low), vf_le(column, high));
-            const ptrdiff_t at = (ptrdiff_t)j * (ptrdiff_t)f->stride + i;
-            const vfloat up = slope_up(c, z, load_around(f, at), load_around(f, at + second_sample(c, f->stride)),
-                                       h->drop ? h->drop + (c - h->crossing) : NULL);
+            if (!vm_any(inside)) continue;
+            const vfloat first = load_around(f, j, i),
+                         second = load_around(f, j + (c->i_kind >> 1 & 1), i + (c->i_kind & 1));
+            const vfloat up = slope_up(c, z, first, second, h->drop ? h->drop + (c - h->crossing) : NULL);
             best = vf_max(vf_select(inside, up, none), best);
         }
         vf_store(g->best + k, best);

@@ -3,6 +3,7 @@
 #ifndef CELLWALK_BASE_AFFINE_H
 #define CELLWALK_BASE_AFFINE_H
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 
@@ -38,9 +39,9 @@ static inline void affine_point_back(const double inverse[3][4], const double p[
     affine_vector(inverse, from, out);
 }
 
-/* The inverse of the linear part, with the translation of m itself beside it. False if m is not finite or singular: a
- * determinant that vanishes or overflows once the rows are scaled to unit size, so that neither kilometres nor nanometres
- * count as singular. */
+/* The inverse of the linear part, with the translation of m itself beside it. False if m is not finite or singular: once
+ * the rows are scaled to unit size, so that neither kilometres nor nanometres count as singular, the determinant is no more than
+ * the roundings of its terms. */
 static inline bool affine_invert(const double m[3][4], double out[3][4]) {
     double scale[3], a[3][3];
     for (int r = 0; r < 3; r++) {
@@ -57,7 +58,11 @@ static inline bool affine_invert(const double m[3][4], double out[3][4]) {
             cofactor[c][r] = a[r1][c1] * a[r2][c2] - a[r1][c2] * a[r2][c1];
         }
     const double det = a[0][0] * cofactor[0][0] + a[0][1] * cofactor[1][0] + a[0][2] * cofactor[2][0];
-    if (det == 0) return false;
+    double size = 0;
+    for (int c = 0; c < 3; c++)
+        size +=
+            fabs(a[0][c]) * (fabs(a[1][(c + 1) % 3] * a[2][(c + 2) % 3]) + fabs(a[1][(c + 2) % 3] * a[2][(c + 1) % 3]));
+    if (!(fabs(det) > 4 * DBL_EPSILON * size)) return false;
     for (int r = 0; r < 3; r++) {
         for (int c = 0; c < 3; c++) {
             out[r][c] = cofactor[r][c] / det / scale[c];

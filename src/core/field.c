@@ -47,20 +47,26 @@ static cw_status check(const cw_field_desc *d) {
     return CW_OK;
 }
 
+typedef struct maps {
+    double to_user[3][4], to_field[3][4];
+} maps;
+
 /* All zero: the identity. NaN is not zero. */
-static cw_status set_map(cw_field *f, const double map[3][4]) {
+static cw_status make_maps(maps *m, const double map[3][4]) {
     static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
     bool given = false;
     for (int k = 0; k < 12; k++) given = given || map[k / 4][k % 4] != 0;
     const double(*to_user)[4] = given ? map : identity;
-    double to_field[3][4];
-    if (!affine_invert(to_user, to_field))
-        return cw_fail(CW_ERROR_ARGUMENT, "map: not finite, or it cannot be inverted");
-    memcpy(f->to_user, to_user, sizeof f->to_user);
-    memcpy(f->to_field, to_field, sizeof f->to_field);
-    memcpy(f->to_normals, to_field, sizeof f->to_normals);
+    memcpy(m->to_user, to_user, sizeof m->to_user);
+    if (affine_invert(to_user, m->to_field)) return CW_OK;
+    return cw_fail(CW_ERROR_ARGUMENT, "map: not finite, or it cannot be inverted");
+}
+
+static void set_maps(cw_field *f, const maps *m) {
+    memcpy(f->to_user, m->to_user, sizeof f->to_user);
+    memcpy(f->to_field, m->to_field, sizeof f->to_field);
+    memcpy(f->to_normals, m->to_field, sizeof f->to_normals);
     affine_scale(f->to_normals);
-    return CW_OK;
 }
 
 /* ---- samples ----------------------------------------------------------------------------------------------------- */
@@ -103,7 +109,7 @@ static cw_status build_guest(cw_field *f, const cw_run *how) {
 }
 
 static void destroy_guest(cw_field *f) {
-    if (f->guest.structure != NULL) f->guest.destroy(f->guest.structure);
+    if (f->guest.structure != NULL) f->guest.destroy(&f->memory, f->guest.structure);
     f->guest = (cw_guest){0};
 }
 
@@ -125,7 +131,9 @@ static cw_status fill(cw_field *f, const cw_field_desc *desc, const cw_run *whol
 }
 
 static cw_status create(const cw_field_desc *desc, const cw_run *how, cw_field **field) {
+    maps m;
     cw_status status = check(desc);
+    if (status == CW_OK) status = make_maps(&m, desc->map);
     if (status != CW_OK) return status;
 
     const cw_allocator *memory = desc->allocator ? desc->allocator : &cw_memory_own;
@@ -138,8 +146,8 @@ static cw_status create(const cw_field_desc *desc, const cw_run *how, cw_field *
         cw_memory_free(memory, f);
         return cw_fail_plainly(CW_ERROR_MEMORY);
     }
-    status = set_map(f, desc->map);
-    if (status == CW_OK) status = fill(f, desc, how);
+    set_maps(f, &m);
+    status = fill(f, desc, how);
     if (status != CW_OK) {
         cw_field_destroy(f);
         return status;
@@ -164,10 +172,8 @@ cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, cw_field
     cw_run how;
     cw_status status = begin(run, &how);
     if (status != CW_OK) return status;
-    const fpenv caller = fpenv_enter();
-    status = create(desc, &how, field);
-    fpenv_leave(caller);
-    return status;
+    FPENV_HERE;
+    return create(desc, &how, field);
 }
 
 bool cw_field_enter(const cw_field *field, door_pass *pass) {
@@ -189,13 +195,10 @@ void cw_field_destroy(cw_field *field) {
 
 cw_status cw_field_build(cw_field *field, const cw_run *run) {
     if (field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
+    FPENV_HERE;
     cw_run how;
-    cw_status status = begin(run, &how);
-    if (status != CW_OK) return status;
-    const fpenv caller = fpenv_enter();
-    status = build_guest(field, &how);
-    fpenv_leave(caller);
-    return status;
+    const cw_status status = begin(run, &how);
+    return status == CW_OK ? build_guest(field, &how) : status;
 }
 
 /* ---- changing it ------------------------------------------------------------------------------------------------- */
@@ -208,15 +211,16 @@ static cw_status check_update(const cw_field *f, const cw_update *u) {
         return cw_fail(CW_ERROR_ARGUMENT, "samples: given to a field that borrows; change its samples in place");
     if (u->samples == NULL && f->owned != NULL && u->at.nx > 0 && u->at.ny > 0)
         return cw_fail(CW_ERROR_ARGUMENT, "samples: NULL");
+    if (f->owned != NULL && (uintptr_t)u->samples - (uintptr_t)f->owned < f->nx * f->ny * sizeof(float))
+        return cw_fail(CW_ERROR_ARGUMENT, "samples: the field's own; give a copy of them");
     const cw_status in = cw_check_rectangle(f, &u->at);
     return in == CW_OK ? check_stride(u->stride, u->at.nx, u->at.ny) : in;
 }
 
 static cw_status update(cw_field *f, const cw_update *u, cw_pool *pool) {
     const bool borrowed = f->owned == NULL;
-    samples s = {.f = f, .column = u->at.i, .row = u->at.j, .nx = u->at.nx};
-    s.from = borrowed ? f->z + u->at.j * f->stride + u->at.i : u->samples;
-    s.stride = borrowed ? f->stride : u->stride ? u->stride : u->at.nx;
+    const size_t stride = borrowed ? f->stride : u->stride ? u->stride : u->at.nx;
+    samples s = {f, borrowed ? f->z + u->at.j * f->stride + u->at.i : u->samples, stride, u->at.i, u->at.j, u->at.nx};
     for (size_t j = 0; j < u->at.ny; j++) {
         const cw_status status = cw_check_samples(s.from + j * s.stride, u->at.i, u->at.j + j, u->at.nx, !borrowed);
         if (status != CW_OK) return status;
@@ -234,9 +238,8 @@ cw_status cw_field_update(cw_field *field, const cw_run *run, const cw_update *u
     if (status == CW_OK) status = check_update(field, u);
     if (status != CW_OK || u->at.nx == 0 || u->at.ny == 0) return status;
     if (!cw_door_close(&field->door, u->wait)) return cw_fail_plainly(CW_ERROR_BUSY);
-    const fpenv caller = fpenv_enter();
+    FPENV_HERE;
     status = update(field, u, how.pool);
-    fpenv_leave(caller);
     cw_door_open(&field->door, u->wait);
     return status;
 }
@@ -244,12 +247,14 @@ cw_status cw_field_update(cw_field *field, const cw_run *run, const cw_update *u
 cw_status cw_field_move(cw_field *field, const double map[3][4], uint32_t wait) {
     if (field == NULL || map == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "map" : "field");
     if (wait > 1) return cw_fail(CW_ERROR_ARGUMENT, "wait: %u is neither 0 nor 1", wait);
+    FPENV_HERE;
+    maps m;
+    const cw_status status = make_maps(&m, map);
+    if (status != CW_OK) return status;
     if (!cw_door_close(&field->door, wait)) return cw_fail_plainly(CW_ERROR_BUSY);
-    const fpenv caller = fpenv_enter();
-    const cw_status status = set_map(field, map);
-    fpenv_leave(caller);
+    set_maps(field, &m);
     cw_door_open(&field->door, wait);
-    return status;
+    return CW_OK;
 }
 
 /* ---- looking at it ----------------------------------------------------------------------------------------------- */

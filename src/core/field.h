@@ -12,7 +12,7 @@ struct cw_pyramid;
 /* What a kernel of another library walks on, which cw_kernel.build has made. An update destroys it. */
 typedef struct cw_guest {
     void *structure; /* NULL: there is none */
-    void (*destroy)(void *structure);
+    void (*destroy)(const cw_allocator *memory, void *structure);
     size_t bytes;
 } cw_guest;
 

@@ -8,25 +8,28 @@
 #include "field.h"
 #include "run.h"
 
+#include <string.h>
+
 static float sample(const cw_field *f, size_t i, size_t j) { return f->z[j * f->stride + i]; }
 
 /* Slopes (dz/dx, dz/dy) of one triangle. */
 static void slopes(const cw_field *f, size_t i, size_t j, uint32_t triangle, double slope[2]) {
-    const double h00 = sample(f, i, j), h11 = sample(f, i + 1, j + 1);
-    if (triangle == CW_TRIANGLE_A) {
-        const double h10 = sample(f, i + 1, j);
-        slope[0] = h10 - h00;
-        slope[1] = h11 - h10;
-    } else {
-        const double h01 = sample(f, i, j + 1);
-        slope[0] = h11 - h01;
-        slope[1] = h01 - h00;
-    }
+    const bool a = triangle == CW_TRIANGLE_A;
+    const double h00 = sample(f, i, j), h11 = sample(f, i + 1, j + 1),
+                 third = a ? sample(f, i + 1, j) : sample(f, i, j + 1);
+    slope[0] = a ? third - h00 : h11 - third;
+    slope[1] = a ? h11 - third : third - h00;
 }
 
-static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+/* Of v, or of a vector whose squares would vanish, once it was made longer. */
+static double length(double v[3]) {
+    const double size = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (!(size < 0x1p-500)) return size;
+    for (int c = 0; c < 3; c++) v[c] *= 0x1p600;
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
 
-/* True if the field has the hit's triangle. */
+/* True if the field has the hit's triangle, or the hole in its place. */
 static bool is_hit(const cw_field *f, const cw_hit *hit) {
     return hit->i >= 0 && hit->j >= 0 && (size_t)hit->i < f->nx - 1 && (size_t)hit->j < f->ny - 1 &&
            hit->triangle <= CW_TRIANGLE_B;
@@ -36,12 +39,8 @@ static bool is_hit(const cw_field *f, const cw_hit *hit) {
 static void vertices(const cw_hit *hit, size_t vertex[3][2], double weight[3]) {
     const size_t i = (size_t)hit->i, j = (size_t)hit->j;
     const bool a = hit->triangle == CW_TRIANGLE_A;
-    vertex[0][0] = i;
-    vertex[0][1] = j;
-    vertex[1][0] = i + 1;
-    vertex[1][1] = a ? j : j + 1;
-    vertex[2][0] = a ? i + 1 : i;
-    vertex[2][1] = j + 1;
+    const size_t v[3][2] = {{i, j}, {i + 1, a ? j : j + 1}, {a ? i + 1 : i, j + 1}};
+    memcpy(vertex, v, sizeof v);
     weight[1] = (double)hit->u;
     weight[2] = (double)hit->v;
     weight[0] = 1 - weight[1] - weight[2];
@@ -111,7 +110,9 @@ static void vertex_normal(const cw_field *f, size_t i, size_t j, double n[3]) {
 
 static void phong_normal_of(const cw_field *f, const cw_hit *hit, double normal[3]) {
     size_t vertex[3][2];
-    double weight[3], n[3][3], mean[3];
+    double weight[3], n[3][3], mean[3], slope[2];
+    slopes(f, (size_t)hit->i, (size_t)hit->j, hit->triangle, slope);
+    if (isnan(slope[0] + slope[1])) return;
     vertices(hit, vertex, weight);
     for (int k = 0; k < 3; k++) vertex_normal(f, vertex[k][0], vertex[k][1], n[k]);
     for (int c = 0; c < 3; c++) mean[c] = weight[0] * n[0][c] + weight[1] * n[1][c] + weight[2] * n[2][c];
@@ -137,16 +138,16 @@ static void normals_of(void *context, size_t begin, size_t end) { of_each(contex
 static void phong_normals_of(void *context, size_t begin, size_t end) { of_each(context, begin, end, phong_normal_of); }
 
 cw_status cw_hit_points(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *points) {
-    return cw_run_batch(&(cw_batch){field, points_of, "hits", "hits", hits, "points", points}, run, n);
+    return cw_run_batch(&(cw_batch){field, points_of, "hits", "hits", hits, "points", points, NULL}, run, n);
 }
 
 cw_status cw_hit_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *normals) {
-    return cw_run_batch(&(cw_batch){field, normals_of, "hits", "hits", hits, "normals", normals}, run, n);
+    return cw_run_batch(&(cw_batch){field, normals_of, "hits", "hits", hits, "normals", normals, NULL}, run, n);
 }
 
 cw_status cw_hit_phong_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n,
                                double *normals) {
-    return cw_run_batch(&(cw_batch){field, phong_normals_of, "hits", "hits", hits, "normals", normals}, run, n);
+    return cw_run_batch(&(cw_batch){field, phong_normals_of, "hits", "hits", hits, "normals", normals, NULL}, run, n);
 }
 
 /* ---- at a place -------------------------------------------------------------------------------------------------- */
@@ -190,9 +191,9 @@ static void user_places(void *context, size_t begin, size_t end) {
 }
 
 cw_status cw_surface_at(const cw_field *field, const cw_run *run, const double *xy, size_t n, cw_hit *hits) {
-    return cw_run_batch(&(cw_batch){field, places, "places", "xy", xy, "hits", hits}, run, n);
+    return cw_run_batch(&(cw_batch){field, places, "places", "xy", xy, "hits", hits, NULL}, run, n);
 }
 
 cw_status cw_surface_at_user(const cw_field *field, const cw_run *run, const double *xyz, size_t n, cw_hit *hits) {
-    return cw_run_batch(&(cw_batch){field, user_places, "places", "xyz", xyz, "hits", hits}, run, n);
+    return cw_run_batch(&(cw_batch){field, user_places, "places", "xyz", xyz, "hits", hits, NULL}, run, n);
 }

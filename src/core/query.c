@@ -53,19 +53,17 @@ static void trace_piece(const query_job *q, const cw_ray *rays, size_t begin, si
 
 static void work(void *context, size_t begin, size_t end) {
     const query_job *q = context;
-    const fpenv caller = fpenv_enter();
+    FPENV_HERE;
     trace_piece(q, q->rays + begin, begin, end - begin);
-    fpenv_leave(caller);
 }
 
 static inline void work_in_blocks(const query_job *q, size_t begin, size_t end, cw_ray *block, size_t most) {
-    const fpenv caller = fpenv_enter();
+    FPENV_HERE;
     for (size_t count; begin < end; begin += count) {
         count = end - begin < most ? end - begin : most;
         q->how.expert.kernel->to_field(q->field->to_field, q->user_rays + begin, count, block);
         trace_piece(q, block, begin, count);
     }
-    fpenv_leave(caller);
 }
 
 static void work_on_few(void *context, size_t begin, size_t end) {
@@ -143,10 +141,9 @@ cw_status cw_occluded_user(const cw_field *field, const cw_run *run, const cw_us
 
 static void move_rays(void *context, size_t begin, size_t end) {
     const cw_batch *b = context;
-    cw_run_kernel(b->field, NULL)
-        ->to_field(b->field->to_field, (const cw_user_ray *)b->in + begin, end - begin, (cw_ray *)b->out + begin);
+    b->kernel->to_field(b->field->to_field, (const cw_user_ray *)b->in + begin, end - begin, (cw_ray *)b->out + begin);
 }
 
 cw_status cw_rays_to_field(const cw_field *field, const cw_run *run, const cw_user_ray *in, size_t n, cw_ray *out) {
-    return cw_run_batch(&(cw_batch){field, move_rays, "rays", "in", in, "out", out}, run, n);
+    return cw_run_batch(&(cw_batch){field, move_rays, "rays", "in", in, "out", out, NULL}, run, n);
 }

@@ -152,9 +152,8 @@ cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw
 
 static void work_on_batch(void *context, size_t begin, size_t end) {
     cw_batch *b = context;
-    const fpenv caller = fpenv_enter();
+    FPENV_HERE;
     b->work(b, begin, end);
-    fpenv_leave(caller);
 }
 
 cw_status cw_run_batch(const cw_batch *batch, const cw_run *run, size_t n) {
@@ -165,7 +164,9 @@ cw_status cw_run_batch(const cw_batch *batch, const cw_run *run, size_t n) {
         return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu %s", b.in ? b.out_name : b.in_name, n, b.items);
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
+    if (status == CW_OK) status = cw_run_settle(&how);
     if (status != CW_OK) return status;
+    b.kernel = how.expert.kernel;
     const door_pass in = door_enter(&b.field->door);
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
     status = cw_run_work(&how, n, GRAIN, GRAIN, work_on_batch, &b);

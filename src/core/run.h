@@ -19,7 +19,7 @@ CW_API cw_status cw_check_rectangle(const cw_field *field, const cw_rectangle *a
  * one. */
 void cw_fill(void *caller, size_t size, const void *all, size_t all_size);
 
-/* *how becomes *run, or all zero for NULL. Fails if its leaf test or a reserved member is invalid. */
+/* *how becomes *run, or all zero for NULL. Fails if its leaf test, its instruction set or a reserved member is invalid. */
 CW_API cw_status cw_run_begin(const cw_run *run, cw_run *how);
 
 /* Sets kernel, leaf test and instruction set to those that run. Fails if there is none such here. A limit on instruction sets that is
@@ -46,6 +46,7 @@ typedef struct cw_batch {
     const void *in;
     const char *out_name;
     void *out;
+    const cw_kernel *kernel; /* set by cw_run_batch */
 } cw_batch;
 
 /* Checks it and works behind the field's door. */

@@ -159,6 +159,7 @@ def test_errors_say_what_was_wrong(library):
     field, rays = library.field(np.zeros((2, 2))), random_rays(1, 2, 2)
     assert library.fails(ARGUMENT, "cw_field_create", library.desc([[0]] * 5), None, Room("u8")) == "nx: 1 samples; a field has 2 to 8388608 a side"
     assert library.fails(KERNEL, "cw_closest", field, library.run(kernel="packet99"), rays, 1, Room(HIT)) == "kernel: there is no kernel of that name"
+    assert "of that name" in library.fails(KERNEL, "cw_surface_at", field, library.run(kernel="packet99"), np.zeros(2), 1, Room(HIT))
     assert library.fails(ARGUMENT, "cw_closest", field, None, None, 7, Room(HIT)) == "rays: NULL for 7 rays"
     assert library.asked("cw_closest", field, None, rays, 1, Room(HIT))[:2] == (OK, "rays: NULL for 7 rays")
     assert library.fails(KERNEL, "cw_run_check", None, library.run(kernel="pyramid1", leaf=1)) == "leaf: pyramid1 does not have the leaf test moller-trumbore"

@@ -43,8 +43,9 @@ def test_sizes(library):
 def test_maps(library):
     z = library.keep(np.zeros(4, "f4"))
     rows = [(1, 0, 0, 0), (0, 0, 0, 0), (0, 0, 1, 0)], [(1, 0, 0, 0), (1, 0, 0, 0), (0, 0, 1, 0)], [(0, 0, 0, 1), (0,) * 4, (0,) * 4], np.diag((1, 1, 1e-320, 0))[:3]
+    rank_two = [s * np.reshape([1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0], (3, 4)) for s in (1, 0.1)]  # whose determinants are rounded to others
     odd = [np.where(np.arange(12).reshape(3, 4) == k, bad, np.eye(3, 4)) for k in range(12) for bad in (np.nan, np.inf, -np.inf)]
-    for map in *rows, *odd:  # a row of zeros, two equal ones, a translation alone, an inverse that overflows; what is not finite
+    for map in *rows, *rank_two, *odd:  # a row of zeros, two equal ones, a translation alone, an inverse that overflows; what is not finite
         assert create(library, samples=z, nx=2, ny=2, map=map) == ARGUMENT, map
     assert create(library, samples=z, nx=2, ny=2, map=1e-9 * np.eye(3, 4)) == OK  # nanometres
 
@@ -86,17 +87,17 @@ def test_memory_is_the_callers(library):
     """All that a field holds comes from its allocator and goes back to it."""
     count = library.keep(np.zeros(1, "i8"))
     allocator = library.struct("cw_allocator", context=count, **{part: library.number(part) for part in ("allocate", "release")})
-    held, side, samples = [], 1025, library.keep(np.zeros((1025, 1025), "f4"))
-    for _, kernel, _ in library.kernels():
+    held, side, samples = {}, 1025, library.keep(np.zeros((1025, 1025), "f4"))
+    for name, kernel, _ in library.kernels():
         desc = library.struct("cw_field_desc", nx=side, ny=side, samples=samples, allocator=library.keep(allocator))
         field = int(library.well("cw_field_create", desc, library.run(kernel=kernel), Room("u8"))[0])
         library.call("poke", int(desc["allocator"][0]), np.zeros_like(allocator))  # it was copied
         heading = int(library.well("cw_heading_create", field, library.struct("cw_heading_desc", dir=(1, 0.5)), Room("u8"))[0])
-        held.append(library.call("peek", count, Room("i8"))[1][0])
+        held[name] = library.call("peek", count, Room("i8"))[1][0]
         library.call("cw_heading_destroy", heading)
         library.call("cw_field_destroy", field)
         assert library.call("peek", count, Room("i8"))[1][0] == 0
-    assert min(held) >= 5
+    assert min(held.values()) >= 5 and held["grid3d"] == held["cell"] + 3
 
 
 # ---- fields that change --------------------------------------------------------------------------------------------------------
@@ -124,6 +125,8 @@ def test_updates_that_are_refused_change_nothing(library):
                   *({"z": six, "stride": stride} for stride in (ALL, ALL // 2, ALL // 4 - 5, ALL // 8, 2**63 // 4 - 1)),  # rows that no array can hold
                   *({"z": six, "at": outside} for outside in ((63, 0, 4, 1), (0, 64, 1, 2), (67, 0, 0, 1), (ALL, 0, 2, 1), (1, 0, ALL, 1)))]:
         assert change(library, copied, **{"at": at, **wrong})[0] == ARGUMENT, wrong
+    own = library.struct("cw_update", at=(0, 1, 66, 64), samples=library.number("cw_field_row", copied, 0))
+    assert "own" in library.fails(ARGUMENT, "cw_field_update", copied, None, own)
     for nothing in (66, 0, 0, 1), (0, 0, 5, 0):
         assert change(library, copied, nothing, six)[0] == OK
     assert bits(library, copied) == before

@@ -62,13 +62,19 @@ def test_points_and_normals_of_hits(library):
         scaled = library.field(z, np.ldexp(MIRRORED, exponent))
         for what, first in ("normals", found[1]), ("phong_normals", found[2]):
             assert library.of_each(f"cw_hit_{what}", scaled, hits, columns=3).tobytes() == first.tobytes()
+    for scale in (1, 1, 1e170), (1e-170, 1e-170, 1):
+        flat = library.field(np.zeros((17, 17)), np.diag([*scale, 0])[:3])
+        for what in "normals", "phong_normals":
+            assert np.abs(library.of_each(f"cw_hit_{what}", flat, hits, columns=3) - (0, 0, 1)).max() <= 2.0**-52
 
 
 def test_what_follows_from_no_hit(library):
-    """A miss, and hits that the field cannot have."""
+    """A miss, and hits that the field cannot have, or has no longer: a hole is at a vertex."""
     none = np.array([(np.inf, -1, -1, 0, 0, 0), *((0, i, j, k, 0, 0) for i, j, k in (
-        (16, 0, 0), (0, 16, 0), (2**31 - 1, 2**31 - 1, 0), (-2**31, 0, 0), (0, 0, 2), (0, 0, 2**32 - 1)))], HIT)
-    field = library.field(np.zeros((17, 17)))
+        (16, 0, 0), (0, 16, 0), (2**31 - 1, 2**31 - 1, 0), (-2**31, 0, 0), (0, 0, 2), (0, 0, 2**32 - 1), (5, 4, 1), (4, 4, 0)))], HIT)
+    z = np.zeros((17, 17))
+    z[5, 5] = np.nan
+    field = library.field(z)
     for what in "points", "normals", "phong_normals":
         assert np.isnan(library.of_each(f"cw_hit_{what}", field, none, columns=3)).all()
 

@@ -12,6 +12,7 @@
 #include "library_terrain.h"
 
 #include <pthread.h>
+#include <sys/mman.h>
 
 enum { WORDS = 8, GUARD = 64, UNTOUCHED = 0x5a };
 
@@ -104,6 +105,8 @@ static void text(const char *t) { fputs(t ? t : "NULL", answer); }
     TERRAIN_FUNCTIONS                                                                                                  \
     X(drop, drop(P(0)))                                                                                                \
     X(keep, address(keep(P(0), v[0].size)))                                                                            \
+    X(pages, address(mmap(NULL, N(0), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)))                    \
+    X(forbid, number((size_t)mprotect(P(0), N(1), PROT_NONE)))                                                         \
     X(peek, memcpy(P(1), P(0), v[1].size))                                                                             \
     X(poke, memcpy(P(0), P(1), v[1].size))                                                                             \
     X(text, text(P(0)))                                                                                                \

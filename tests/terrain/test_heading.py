@@ -3,6 +3,7 @@
 number of threads and rectangle; whether a ray hits, and how steep the rise is, said alike."""
 import contextlib
 import functools
+from mmap import PAGESIZE
 
 import numpy as np
 import pytest
@@ -90,6 +91,24 @@ def test_walls_on_the_border_count(library, nx):
         dir = np.cos(angle), np.sin(angle)
         with land.along(dir) as heading:
             check_samples(land.z, land.steepest(heading), np.arange(0, 30 * nx, 16), dir)
+
+
+def test_nothing_is_read_between_rows(library):
+    """Rows of a field that borrows end where memory ends."""
+    nx, ny = PAGESIZE // 4, 24
+    copied, borrowed = (Headings(library, lakes(nx, ny, 0)) for _ in range(2))
+    at = library.number("pages", 2 * PAGESIZE * ny)
+    for j, row in enumerate(copied.z):
+        library.call("poke", at + 2 * PAGESIZE * j, row)
+        assert library.number("forbid", at + PAGESIZE * (2 * j + 1), PAGESIZE) == 0
+    borrowed.field = library.field(copied.z, stride=2 * nx, storage=1, samples=at)
+    for angle in taken(np.arange(0.2, 6.2, 0.3), 4):
+        dir = np.cos(angle), np.sin(angle)
+        with copied.along(dir) as one, borrowed.along(dir) as other:
+            for isa in range(1, 6):
+                run = library.run(isa=isa)
+                if library.asked("cw_run_check", None, run)[0] == 0:
+                    assert borrowed.steepest(other, run=run).tobytes() == copied.steepest(one).tobytes()
 
 
 @pytest.mark.parametrize("nx, ny", [(255, 256), (1000, 60), (230, 150)])

@@ -2,8 +2,8 @@
 /* The bounds pyramid: lowest and highest sample of ever larger blocks of cells.
  *
  * A node of level 0 covers a *block* of 4 × 4 cells; a node of level l + 1 covers 4 × 4 nodes of level l, which lie
- * together in memory as one *brick*: 16 lows, then 16 highs, two cache lines. The top level is one brick. A field of
- * any shape takes less than 1.5 bytes a cell plus the partly filled bricks along its far borders. Nodes outside the
+ * together in memory as one *brick*: 16 lows, then 16 highs, two cache lines. The top level is one brick. Large
+ * squares take 1.5 bytes a cell, other fields more for the partly filled bricks along their far borders. Nodes outside the
  * field and nodes with holes only have NaN, which compares false: no ray meets them, not even one whose heights
  * overflow.
  *

@@ -138,19 +138,19 @@ static void enter_triangles(struct cw_grid3d *g, const cw_field *f, bool write) 
             }
 }
 
-static void destroy(void *grid) {
+static void destroy(const cw_allocator *memory, void *grid) {
     struct cw_grid3d *g = grid;
-    cw_memory_free(&cw_memory_own, g->begin);
-    cw_memory_free(&cw_memory_own, g->entry);
-    cw_memory_free(&cw_memory_own, g);
+    cw_memory_free(memory, g->begin);
+    cw_memory_free(memory, g->entry);
+    cw_memory_free(memory, g);
 }
 
 static cw_status build_grid3d(cw_field *field) {
-    struct cw_grid3d *g = cw_memory_clear(&cw_memory_own, sizeof *g);
+    struct cw_grid3d *g = cw_memory_clear(&field->memory, sizeof *g);
     if (g == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     set_resolution(g, field);
     const size_t voxels = (size_t)g->n[0] * (size_t)g->n[1] * (size_t)g->n[2];
-    g->begin = cw_memory_clear(&cw_memory_own, (voxels + 2) * sizeof *g->begin);
+    g->begin = cw_memory_clear(&field->memory, (voxels + 2) * sizeof *g->begin);
     if (g->begin == NULL) goto no_memory;
     enter_triangles(g, field, false);
     uint64_t entries = 0;
@@ -159,7 +159,7 @@ static cw_status build_grid3d(cw_field *field) {
         if (entries > UINT32_MAX) goto no_memory;
         g->begin[v + 1] = (uint32_t)entries;
     }
-    g->entry = cw_memory_allocate(&cw_memory_own, entries * sizeof *g->entry);
+    g->entry = cw_memory_allocate(&field->memory, entries * sizeof *g->entry);
     if (g->entry == NULL) goto no_memory;
     enter_triangles(g, field, true);
     /* Writing moved each begin to its end, which is the next one's begin. */
@@ -172,7 +172,7 @@ static cw_status build_grid3d(cw_field *field) {
     };
     return CW_OK;
 no_memory:
-    destroy(g);
+    destroy(&field->memory, g);
     return cw_fail_plainly(CW_ERROR_MEMORY);
 }
 

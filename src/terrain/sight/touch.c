@@ -30,17 +30,27 @@ static vector vector_to(const sight *s, double i, double j) {
     return (vector){difference(i, s->eye[0]), difference(j, s->eye[1])};
 }
 
-static void add_products(exact_sum *s, const double *a, int count, const parts *b, double sign) {
-    for (int k = 0; k < count; k++)
-        for (int l = 0; l < b->count; l++) exact_add_product(s, sign * a[k], b->part[l]);
+static void add_cross(exact_sum *s, const parts *a, const parts *b, double sign) {
+    for (int k = 0; k < a->count; k++)
+        for (int l = 0; l < b->count; l++) exact_add_product(s, sign * a->part[k], b->part[l]);
 }
 
 static exact_sum cross(const vector *a, const vector *b) {
     exact_sum s;
     s.count = 0;
-    add_products(&s, a->x.part, a->x.count, &b->y, 1);
-    add_products(&s, a->y.part, a->y.count, &b->x, -1);
+    add_cross(&s, &a->x, &b->y, 1);
+    add_cross(&s, &a->y, &b->x, -1);
     return s;
+}
+
+static void add_times(exact_sum *s, const exact_sum *a, const parts *height, double sign) {
+    for (int k = 0; k < a->count; k++)
+        for (int l = 0; l < height->count; l++) {
+            double error;
+            const double product = exact_two_product(sign * a->parts[k], height->part[l], &error);
+            if (error != 0) exact_add(s, error);
+            if (product != 0) exact_add(s, product);
+        }
 }
 
 /* A sample on the line, or NULL if it is none; its place and its height. */
@@ -96,8 +106,8 @@ static touch at_sample(const way *w, const sample *a, const vector *to_target, c
     over.count = one.count = other.count = 0;
     for (int k = 0; k < to->count; k++) exact_add(&one, to->part[k]);
     for (int k = 0; k < from->count; k++) exact_add(&other, from->part[k]);
-    add_products(&over, one.parts, one.count, &a->height, 1);
-    add_products(&over, other.parts, other.count, top, -1);
+    add_times(&over, &one, &a->height, 1);
+    add_times(&over, &other, top, -1);
     return verdict(&over, exact_sign(&one), exact_value(&other));
 }
 
@@ -105,9 +115,9 @@ static touch on_edge(const sample *a, const sample *b, const parts *top) {
     const exact_sum area = cross(&a->at, &b->at);
     exact_sum over;
     over.count = 0;
-    add_products(&over, a->side.parts, a->side.count, &b->height, 1);
-    add_products(&over, b->side.parts, b->side.count, &a->height, -1);
-    add_products(&over, area.parts, area.count, top, 1);
+    add_times(&over, &a->side, &b->height, 1);
+    add_times(&over, &b->side, &a->height, -1);
+    add_times(&over, &area, top, 1);
     return verdict(&over, exact_sign(&a->side), exact_value(&area));
 }
 
