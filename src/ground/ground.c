@@ -16,7 +16,8 @@ static bool describe(terrain *t, const io_raster *r, const cw_field *field, cons
                                   .semi_major = r->georef.semi_major,
                                   .inverse_flattening = r->georef.inverse_flattening,
                                   .geographic = r->georef.geographic};
-    return cw_terrain_place(t, r->map, &desc) || io_fail(error, "%s: its map cannot be inverted", path);
+    return cw_terrain_place(t, r->map, &desc) ||
+           io_fail(error, "%s: its map cannot be inverted, or has latitudes beyond 90 degrees", path);
 }
 
 cw_rectangle ground_all(const ground *g) { return (cw_rectangle){0, 0, g->about.nx, g->about.ny}; }

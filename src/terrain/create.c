@@ -84,7 +84,7 @@ cw_status cw_terrain_create(const cw_terrain_desc *desc, const cw_run *run, cw_t
     if (t == NULL || own == NULL)
         status = cw_fail_plainly(CW_ERROR_MEMORY);
     else if (!cw_terrain_place(t, (const double(*)[4])map, &kept))
-        status = cw_fail(CW_ERROR_ARGUMENT, "field: its map cannot be inverted");
+        status = cw_fail(CW_ERROR_ARGUMENT, "field: its map cannot be inverted, or has latitudes beyond 90 degrees");
     if (status != CW_OK) {
         free(t);
         free(own);

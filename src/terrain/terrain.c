@@ -27,6 +27,12 @@ bool cw_terrain_place(terrain *t, const double (*map)[4], const cw_terrain_desc 
         t->back[k][1] = inverse[k][1];
         t->back[k][2] = -(inverse[k][0] * t->map[0][3] + inverse[k][1] * t->map[1][3]);
     }
+    /* Metres that a file calls degrees lie far from the globe; at a pole the last row may lie a cell beyond. */
+    for (int k = 0; k < 4 && t->geographic; k++) {
+        double xy[2];
+        terrain_to_map(t, k & 1 ? (double)(t->nx - 1) : 0, k & 2 ? (double)(t->ny - 1) : 0, xy);
+        if (!(fabs(xy[1]) * t->unit <= pi / 2 + (fabs(c) + fabs(e)) * t->unit)) return false;
+    }
     return isfinite(t->back[0][2]) && isfinite(t->back[1][2]);
 }
 

@@ -107,7 +107,7 @@ def wrong_calls(lands):
     land = lands.land_now = int(lands.well("cw_terrain_create", good, None, room)[0])
     scale = lands.keep(np.ones((65, 9, 2)))
     leaning = [(lands.field(Z[:2, :2], np.eye(3, 4) + (np.arange(12) == at).reshape(3, 4)), {}) for at in (2, 6, 8, 9, 11)]
-    for said, field_of, more in [("unit -1", field, {"unit": -1}), ("geographic 2 1", field, {"geographic": 2}),
+    for said, field_of, more in [("unit -1", field, {"unit": -1}), ("geographic 2 1", field, {"geographic": 2}), ("latitudes", field, {"geographic": 1, "unit": 1}),
                                  ("scale in degrees", field, {"geographic": 1, "scale": scale})] + [("field map", *one) for one in leaning]:
         yield said, "cw_terrain_create", struct("cw_terrain_desc", field=field_of, **more), None, room
     for said, factor, filter in ("factor 1 2", 1, 0), ("filter 3 2", 2, 3), ("factor 8388609", 2**23 + 1, 0):

@@ -173,6 +173,8 @@ def _scale_heights(affine: np.ndarray, zscale, unit, crs: Crs, placed: bool) -> 
     """The map's third row: heights in the unit of x and y, or in metres on a map in degrees. Warns, as the program does, where that
     is a guess that may be wrong."""
     dx, (x, y) = math.hypot(affine[0, 0], affine[1, 0]), affine[:2, 3]
+    if crs.geographic and not placed:
+        raise ValueError("crs: is in degrees, and without a transform nothing says where the samples lie")
     if placed and crs.wkt is None and 0 < dx < 0.1 and abs(x) <= 360 and abs(y) <= 90:
         warn(f"transform: samples are {dx:g} apart around ({x:g}, {y:g}), which looks like degrees, but there is no coordinate system "
               "(crs); heights are taken in the same unit")

@@ -36,8 +36,7 @@ def c_text(text: str | bytes) -> bytes:
 
 
 def owner(kind: str, drop) -> Any:
-    """Room for a pointer that a function makes, by which drop destroys that with the room. It is there before the call, so that Ctrl-C after
-    it loses nothing."""
+    """Room for a pointer that a function makes; drop destroys that with the room, which is there before the call, for Ctrl-C after it."""
     return ffi.gc(ffi.new(kind), drop)
 
 
@@ -79,8 +78,7 @@ def warn(text: str) -> None:
 
 @functools.lru_cache(maxsize=2)
 def _pool(threads: int, process: int):
-    """Threads cost too much to start for each call. So the two pools used last stay, and others go once nothing runs on them. A child
-    that was forked makes its own."""
+    """Threads cost too much to start for each call: the two pools used last stay, others go once nothing runs on them. A forked child makes its own."""
     pool = owner("cw_pool **", lib.drop_pool)
     check(lib.cw_pool_create(threads, pool), "threads")
     return pool
@@ -195,7 +193,7 @@ class Core:
     @property
     def terrain(self) -> Any:
         if not self._terrain:
-            raise ValueError("transform: cannot be inverted")
+            raise ValueError("transform: cannot be inverted, or has latitudes beyond 90 degrees")
         return self._terrain
 
     def set_scale(self, scale: bytes) -> None:

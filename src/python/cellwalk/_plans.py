@@ -62,8 +62,7 @@ class Products:
         return self._dress(plan, self._rows(plan, None, progress))
 
     def _locate(self, what: str, place: Optional[tuple[float, float]] = None, lon_lat=None) -> tuple[float, float, float]:
-        """Longitude and latitude of a place, by default the middle, unless they are given; how far the map's north is turned there from the
-        true one, toward the west."""
+        """Longitude and latitude of a place, by default the middle, unless given; how far its map's north is turned west of the true one."""
         m, known, (rows, columns) = self._source.map, self._source.crs, self.shape
         if lon_lat is not None:
             if np.shape(lon_lat) != (2,):
@@ -102,8 +101,7 @@ def azimuths_of(sky: dict[str, Any]) -> np.ndarray:
 
 
 def spots_of(x, y, height, elevation, default: float = 2.0, weights=None, of: str = "observer_") -> np.ndarray:
-    """Places, shape (n, 5): x, y, height above ground or, if the fourth number is 1, the height itself, weight. of: what the arguments'
-    names begin with."""
+    """Places, shape (n, 5): x, y, height above ground or, with 1 as the fourth number, itself, weight. of: how arguments' names begin."""
     absolute = elevation is not None
     if absolute and height is not None:
         raise ValueError(f"{of}height: goes without {of}elevation")

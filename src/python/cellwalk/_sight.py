@@ -19,7 +19,7 @@ class LineOfSight(NamedTuple):
     """visible: bool; distance: metres from end to end on the map; blocked_at: x, y, z where the line first meets the surface,
     NaN if it does not; blocked_distance: metres from the first place to there. With a frequency, of the place where least of
     the first Fresnel zone's radius is free: clearance, as a share of the radius; clearance_distance and fresnel_radius in
-    metres. Else NaN."""
+    metres. Else NaN. Holes hide nothing."""
     visible: np.ndarray
     distance: np.ndarray
     blocked_at: np.ndarray
@@ -54,8 +54,7 @@ class PlaceHorizon(NamedTuple):
 
 
 class Sites(NamedTuple):
-    """What each observer sees: how many samples, their area, the distance in metres of the farthest one, and where that is
-    (x, y)."""
+    """What each observer sees: how many samples, their area, the distance in metres of the farthest one, and where that is (x, y)."""
     samples: np.ndarray
     km2: np.ndarray
     farthest: np.ndarray

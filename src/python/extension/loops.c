@@ -10,8 +10,6 @@ void line_rows(const line *l, double megahertz, const profile *p, line_row *rows
     for (size_t k = 0; k < p->count; k++) rows[k] = line_row_of(l, megahertz, &p->points[k]);
 }
 
-/* ---- clearances, on a pool ----------------------------------------------------------------------------------------------- */
-
 typedef struct clearing {
     const terrain *terrain;
     work *work;
