@@ -122,6 +122,7 @@ scene *landscape_create(const landscape_desc *d, io_error *error) {
         io_fail(error, "out of memory");
         return NULL;
     }
+    s->textures[0]->clamps = true; /* one side of the land has nothing of the other's colour */
     s->width = d->width;
     s->height = d->height;
     s->samples = d->samples_a_pixel;

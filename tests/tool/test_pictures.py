@@ -51,12 +51,12 @@ def test_shadow_of_a_wall():
 
 
 def test_colours_by_height():
-    """Colours are spread evenly from the lowest height to the highest, each in its place. Steps of a millimetre hardly lean."""
+    """Colours are spread evenly from the lowest height to the highest, each in its place, up to the border. Steps of a millimetre hardly lean."""
     j, i = np.mgrid[:NY, :NX]
     np.save("steps.npy", (1e-3 * np.where(j < 25, i >= 30, np.where(i < 30, 2, np.where(i < 50, 3, 4)))).astype(np.float32))
-    rgb = picture("steps.npy", *ABOVE, "--sun", "225,30")
-    for tint, x, y in zip(TINTS, (15, 45, 15, 40, 55), (15, 15, 45, 45, 45)):
-        close(rgb[y, x], tint, LEVEL)
+    rgb = picture("steps.npy", *ABOVE[:-1], "600x600", "--sun", "225,30")  # 1 m a pixel
+    for k, x, y in zip((*range(5), 0, 1, 2, 4), (150, 450, 150, 400, 550, 6, 593, 6, 593), (150, 150, 450, 450, 450, 56, 56, 543, 543)):
+        close(rgb[y, x], TINTS[k], LEVEL)
 
 
 def test_smooth_around_a_hole():

@@ -105,6 +105,15 @@ LANE_INLINE void place_probe(wave_probes *p, size_t k, float width, float height
     p->right[k] = lane_part(p->u[k]) * width - 0.5f;
     p->down[k] = lane_part(p->v[k]) * height - 0.5f;
 }
+/* In an image that clamps, a probe lies between the middles of the outer texels, where those of the far side have weight 0. */
+LANE_INLINE float clamped(float x, float last) {
+    const float from = x > 0 ? x : 0;
+    return from < last ? from : last;
+}
+LANE_INLINE void clamp_probe(wave_probes *p, size_t k, float width, float height) {
+    p->right[k] = clamped(p->u[k] * width - 0.5f, width - 1);
+    p->down[k] = clamped(p->v[k] * height - 0.5f, height - 1);
+}
 LANE_INLINE void place_texels(wave_probes *p, size_t k, int32_t rows, int32_t stride, int32_t first) {
     const float x = p->right[k], y = p->down[k];
     const int32_t i = lane_floor(x), j = lane_floor(y);
@@ -131,7 +140,10 @@ static void place_probes(const texture *t, wave_probes *p) {
         stride[k] = l->stride;
         first[k] = l->first;
     }
-    for (size_t k = 0; k < n; k++) place_probe(p, k, width[p->level[k]], height[p->level[k]]);
+    if (t->clamps)
+        for (size_t k = 0; k < n; k++) clamp_probe(p, k, width[p->level[k]], height[p->level[k]]);
+    else
+        for (size_t k = 0; k < n; k++) place_probe(p, k, width[p->level[k]], height[p->level[k]]);
     for (size_t k = 0; k < n; k++) place_texels(p, k, rows[p->level[k]], stride[p->level[k]], first[p->level[k]]);
 }
 
@@ -141,7 +153,10 @@ static void place_plain_probes(const wave_strip *s, const texture *t, wave_probe
     const float width = (float)l.width, height = (float)l.height;
     memcpy(p->u, s->uv[0], sizeof s->uv[0]);
     memcpy(p->v, s->uv[1], sizeof s->uv[1]);
-    for (size_t k = 0; k < wave_whole(s->n); k++) place_probe(p, k, width, height);
+    if (t->clamps)
+        for (size_t k = 0; k < wave_whole(s->n); k++) clamp_probe(p, k, width, height);
+    else
+        for (size_t k = 0; k < wave_whole(s->n); k++) place_probe(p, k, width, height);
     for (size_t k = 0; k < wave_whole(s->n); k++) place_texels(p, k, l.height, l.stride, l.first);
 }
 

@@ -17,6 +17,7 @@ typedef struct texture_level {
 } texture_level;
 
 typedef struct texture {
+    bool clamps; /* beyond its borders stands the border's colour; else the image repeats */
     int count;
     texture_level levels[TEXTURE_LEVELS];
     uint16_t *texels; /* four halves each, the last of them 0 */
