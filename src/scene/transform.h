@@ -19,7 +19,11 @@ static inline void cross(const double a[3], const double b[3], double out[3]) {
     out[2] = z;
 }
 
+/* A power of two is taken out first, which changes no bit: of 10^160 and 10^-170 the squares are infinite and 0. */
 static inline void normalise(double v[3]) {
+    int exponent = 0;
+    frexp(fmax(fmax(fabs(v[0]), fabs(v[1])), fabs(v[2])), &exponent);
+    for (int c = 0; c < 3; c++) v[c] = ldexp(v[c], -exponent);
     const double scale = 1 / sqrt(dot(v, v));
     for (int c = 0; c < 3; c++) v[c] *= scale;
 }

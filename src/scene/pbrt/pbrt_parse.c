@@ -72,7 +72,7 @@ static bool rotate(pbrt_state *p, const pbrt_site *site, io_error *error) {
     double n[4];
     if (!read_numbers(site, 4, n, error)) return false;
     double *axis = n + 1;
-    if (!(dot(axis, axis) > 0)) return pbrt_fail(site, error, "the axis has no length");
+    if (axis[0] == 0 && axis[1] == 0 && axis[2] == 0) return pbrt_fail(site, error, "the axis has no length");
     normalise(axis);
     const double angle = n[0] * (acos(-1) / 180), c = cos(angle), s = sin(angle);
     const double turn[3][3] = {{0, -axis[2], axis[1]}, {axis[2], 0, -axis[0]}, {-axis[1], axis[0], 0}};
