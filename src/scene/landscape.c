@@ -113,23 +113,34 @@ static void add_field(scene *s, const landscape_desc *d) {
     h->to_world = transform_multiply(&world, &cells);
 }
 
+/* Lights of land that is too large are infinite. */
+static bool can_be_drawn(const scene *s, const landscape_desc *d) {
+    transform world;
+    memcpy(world.m, d->to_world, sizeof world.m);
+    return transform_is_measurable(&world) && isfinite(s->lights[0].intensity[0] + s->lights[1].intensity[0]);
+}
+
+static scene *refuse(scene *s, const char *why, io_error *error) {
+    scene_free(s);
+    io_fail(error, "%s", why);
+    return NULL;
+}
+
 scene *landscape_create(const landscape_desc *d, io_error *error) {
     scene *s = calloc(1, sizeof *s);
     bool good = s != NULL && allocate(s) && (s->textures[0] = calloc(1, sizeof(texture))) != NULL;
     if (good) s->texture_count = 1;
-    if (!good || !add_water(s, d) || !texture_fill(s->textures[0], d->colours)) {
-        scene_free(s);
-        io_fail(error, "out of memory");
-        return NULL;
-    }
+    if (!good || !add_water(s, d)) return refuse(s, "out of memory", error);
+    add_field(s, d);
+    add_lights(s, d);
+    if (!can_be_drawn(s, d)) return refuse(s, "the land is too small or too large to be drawn", error);
+    if (!texture_fill(s->textures[0], d->colours)) return refuse(s, "out of memory", error);
     s->textures[0]->clamps = true; /* one side of the land has nothing of the other's colour */
     s->width = d->width;
     s->height = d->height;
     s->samples = d->samples_a_pixel;
     s->field_of_view = d->field_of_view;
     s->camera_to_world = camera_at(d->eye, d->target);
-    add_field(s, d);
-    add_lights(s, d);
     add_sky(s, d);
     return s;
 }

@@ -60,4 +60,17 @@ static inline bool transform_invert(const transform *a, transform *out) {
     return true;
 }
 
+/* Whether the renderer can measure in the space that t maps to the world. It keeps squares of lengths as floats, of the space's
+ * axes and of the rows of the inverse: beyond 10^38 and below 10^-38 they are infinite or 0. */
+static inline bool transform_is_measurable(const transform *t) {
+    transform back;
+    if (!transform_invert(t, &back)) return false;
+    for (int c = 0; c < 3; c++) {
+        const double axis[3] = {t->m[0][c], t->m[1][c], t->m[2][c]};
+        const double length = sqrt(dot(axis, axis)), inverse = sqrt(dot(back.m[c], back.m[c]));
+        if (!(fmin(length, inverse) >= 1e-18 && fmax(length, inverse) <= 1e18)) return false;
+    }
+    return true;
+}
+
 #endif

@@ -128,6 +128,7 @@ LINES = r"""
 2 | a scene or a raster is missing | render -o no.exr
 2 | is for rasters | render s.pbrt {--sun 0,30;--nodata 0;--sky;--water 3;--curvature 1} -o no.exr
 2 | {not 180;not '5';--haze takes a visibility in metres, above 0, not 0} | render wall.npy --{fov 180;from 5;haze 0} -o no.exr
+1 | the land is too small or too large to be drawn | render wall.npy --cellsize {1e13;1e-22} -o no.exr
 1 | the same place | render wall.npy --from 5,3,9 --to 5,3,9 -o no.exr
 2 | either --sun or --time | {shadow wall.npy -o no.npy;render wall.npy --time 2024-06-21T12:00:00Z --sun 0,9 -o no.exr}
 2 | give the eye's place by --from | render wall.npy --curvature 1 -o no.exr

@@ -44,6 +44,11 @@ char *pbrt_resolve(const pbrt_state *p, const char *name) {
     return path;
 }
 
+bool pbrt_measurable(const pbrt_site *site, const transform *to_world, const char *space, io_error *error) {
+    return transform_is_measurable(to_world) ||
+           pbrt_fail(site, error, "a unit of %s is shorter than 1e-18 or longer than 1e18 in the world", space);
+}
+
 /* ---- transforms -------------------------------------------------------------------------------------------------- */
 
 static bool apply(pbrt_state *p, const transform *t) {
@@ -163,7 +168,7 @@ static bool camera(pbrt_state *p, const pbrt_site *site, io_error *error) {
         good = pbrt_fail(site, error, "\"float fov\" must lie between 0 and 180 degrees");
     if (good && !transform_invert(&p->attributes.current, &p->scene->camera_to_world))
         good = pbrt_fail(site, error, "the current transform cannot be inverted");
-    if (!good) return false;
+    if (!good || !pbrt_measurable(site, &p->scene->camera_to_world, "the camera's space", error)) return false;
     p->scene->field_of_view = degrees;
     p->camera = true;
     return true;

@@ -128,7 +128,8 @@ static bool create_field(const pbrt_site *site, heightfield *h, io_error *error)
     const transform map = transform_multiply(&h->to_world, &scale);
     memcpy(desc.map, map.m, sizeof desc.map);
     const cw_status status = cw_field_create(&desc, NULL, &h->field);
-    return status == CW_OK || pbrt_fail(site, error, "%s", cw_last_error());
+    if (status != CW_OK) return pbrt_fail(site, error, "%s", cw_last_error());
+    return pbrt_measurable(site, &map, "field space", error);
 }
 
 static bool add_heightfield(pbrt_state *p, const pbrt_site *site, pbrt_params *params, io_error *error) {
@@ -167,6 +168,7 @@ static bool add_cylinder(pbrt_state *p, const pbrt_site *site, pbrt_params *para
     transform to_object;
     if (!transform_invert(&c.to_world, &to_object))
         return pbrt_fail(site, error, "the current transform cannot be inverted");
+    if (!pbrt_measurable(site, &c.to_world, "the cylinder's space", error)) return false;
     cylinder *more = grown(p->scene->cylinders, p->scene->cylinder_count, sizeof *more);
     if (more == NULL) return no_memory(site, error);
     p->scene->cylinders = more;

@@ -57,4 +57,7 @@ pbrt_directive_fn pbrt_shape, pbrt_light, pbrt_material, pbrt_texture_define;
 /* name relative to the scene's directory; the caller frees it; NULL when out of memory. */
 char *pbrt_resolve(const pbrt_state *p, const char *name);
 
+/* False, with an error, if the renderer cannot measure in the space of that name. */
+bool pbrt_measurable(const pbrt_site *site, const transform *to_world, const char *space, io_error *error);
+
 #endif
