@@ -15,13 +15,13 @@
 /* Directions through one sample of each pixel of the block whose corner is (x, y) at depth 1, from place on. */
 static void block_directions(wave *w, float x, float y, uint32_t sample, uint32_t seed[2][WAVE_LANES], size_t place) {
     const float pixel = (float)w->plan->pixel;
-    const uint32_t first = pattern_first(sample), second = pattern_second(sample);
+    const uint32_t second = pattern_second(sample);
     float g[6];
     memcpy(g, w->plan->camera_metric.g, sizeof g);
     float *dx = &w->rays[0].dir[0][place], *dy = &w->rays[0].dir[1][place], *dz = &w->rays[0].dir[2][place];
     float across[WAVE_LANES], down[WAVE_LANES], scale[WAVE_LANES];
     for (int k = 0; k < WAVE_LANES; k++) {
-        across[k] = x + ((float)(k % WAVE_BLOCK) + pattern_place(first, seed[0][k])) * pixel;
+        across[k] = x + ((float)(k % WAVE_BLOCK) + pattern_place(sample, seed[0][k])) * pixel;
         down[k] = y - ((float)(k / WAVE_BLOCK) + pattern_place(second, seed[1][k])) * pixel;
         scale[k] = 1 / sqrtf(lane_square(g, across[k], down[k], 1));
     }
@@ -33,7 +33,7 @@ static void block_directions(wave *w, float x, float y, uint32_t sample, uint32_
 }
 
 /* Keeps those of the last WAVE_LANES rays that lie in the region. */
-static void keep_in_region(wave_rays *r, size_t x, size_t y, const wave_region *region) {
+static void keep_in_region(wave_rays *r, size_t x, size_t y, const scene_crop *region) {
     size_t kept = r->count;
     for (size_t k = 0; k < WAVE_LANES; k++) {
         const size_t px = x + k % WAVE_BLOCK, py = y + k / WAVE_BLOCK, from = r->count + k;
@@ -45,7 +45,7 @@ static void keep_in_region(wave_rays *r, size_t x, size_t y, const wave_region *
 }
 
 /* Makes the first wave of those samples, from first on, of the tile at (x, y). */
-static void camera_rays(wave *w, size_t x, size_t y, const wave_region *region, uint32_t first, uint32_t samples) {
+static void camera_rays(wave *w, size_t x, size_t y, const scene_crop *region, uint32_t first, uint32_t samples) {
     const plan *p = w->plan;
     wave_rays *r = &w->rays[0];
     r->count = 0;
@@ -59,7 +59,7 @@ static void camera_rays(wave *w, size_t x, size_t y, const wave_region *region, 
             uint32_t seed[2][WAVE_LANES];
             for (uint32_t k = 0; k < WAVE_LANES; k++) {
                 seed[0][k] = pattern_seed((uint32_t)bx + k % WAVE_BLOCK, (uint32_t)by + k / WAVE_BLOCK, p->seed);
-                seed[1][k] = pattern_other_seed(seed[0][k]);
+                seed[1][k] = pattern_hash(seed[0][k]);
             }
             for (uint32_t sample = first; sample < first + samples; sample++) {
                 block_directions(w, (float)(p->corner[0] + (double)bx * p->pixel),

@@ -33,10 +33,8 @@ static inline uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
     return x ^ x * 0x8d22f6e6u;
 }
 
-/* The first dimension is van der Corput's: the number's own bits, reversed; the second one's matrix is Pascal's triangle
- * modulo 2. */
-static inline uint32_t pattern_first(uint32_t number) { return number; }
-
+/* A sample's second dimension, whose matrix is Pascal's triangle modulo 2. The first is the sample's number itself: van der
+ * Corput's, whose bits are reversed. */
 static inline uint32_t pattern_second(uint32_t number) {
     uint32_t value = 0;
     for (uint32_t column = 0x80000000u; number != 0; number >>= 1, column ^= column >> 1)
@@ -44,11 +42,10 @@ static inline uint32_t pattern_second(uint32_t number) {
     return reverse_bits(value);
 }
 
-/* A pixel's seeds for the two dimensions; another picture's for another number. */
+/* A pixel's seed for the first dimension, another one for another picture. That for the second is its hash. */
 static inline uint32_t pattern_seed(uint32_t x, uint32_t y, uint32_t picture) {
     return pattern_hash(x + pattern_hash(y + pattern_hash(picture)));
 }
-static inline uint32_t pattern_other_seed(uint32_t seed) { return pattern_hash(seed); }
 
 /* In [0, 1): where a sample lies along one dimension; 24 bits, so that a float holds them. */
 static inline float pattern_place(uint32_t dimension, uint32_t seed) {

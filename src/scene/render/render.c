@@ -17,7 +17,7 @@ typedef struct render {
     plan plan;
     const scene_render_options *options;
     io_image *image;
-    wave_region region;
+    scene_crop region;
     wave_tile_fn *tile;
     size_t first_x, first_y, tiles_x, tiles; /* tiles are counted from (first_x, first_y), the first one's corner */
     atomic_size_t next;
@@ -138,9 +138,8 @@ static wave_tile_fn *tile_function(void) {
 /* Finds the region and the tiles that it touches, and allocates its picture. */
 static bool lay_out(render *r, const scene_crop *crop, io_error *error) {
     const size_t width = r->plan.width, height = r->plan.height;
-    r->region = (wave_region){0, 0, width, height};
-    if (crop->x1 > 0) r->region = (wave_region){crop->x0, crop->y0, crop->x1, crop->y1};
-    const wave_region *g = &r->region;
+    r->region = crop->x1 > 0 ? *crop : (scene_crop){0, 0, width, height};
+    const scene_crop *g = &r->region;
     if (g->x0 >= g->x1 || g->y0 >= g->y1 || g->x1 > width || g->y1 > height)
         return io_fail(error, "the crop from (%zu, %zu) to (%zu, %zu) is no part of %zu x %zu pixels", g->x0, g->y0,
                        g->x1, g->y1, width, height);

@@ -145,13 +145,8 @@ typedef struct wave {
 wave *wave_create(const plan *p, const scene_tracer *tracer);
 void wave_free(wave *w);
 
-/* A part of the picture. */
-typedef struct wave_region {
-    size_t x0, y0, x1, y1;
-} wave_region;
-
 /* Renders the part of the tile at (x, y) that lies in the region, of which image is the picture; x and y are
  * multiples of WAVE_TILE. There is one such function for each instruction set, all from wave_tile.c. */
-typedef void wave_tile_fn(wave *w, size_t x, size_t y, const wave_region *region, io_image *image);
+typedef void wave_tile_fn(wave *w, size_t x, size_t y, const scene_crop *region, io_image *image);
 
 #endif

@@ -31,7 +31,7 @@ static void run_waves(wave *w) {
     }
 }
 
-static void put_pixels(wave *w, size_t x, size_t y, const wave_region *region, io_image *image) {
+static void put_pixels(wave *w, size_t x, size_t y, const scene_crop *region, io_image *image) {
     const double share = 1 / (double)w->plan->samples;
     const size_t x0 = x > region->x0 ? x : region->x0, x1 = x + WAVE_TILE < region->x1 ? x + WAVE_TILE : region->x1;
     const size_t y0 = y > region->y0 ? y : region->y0, y1 = y + WAVE_TILE < region->y1 ? y + WAVE_TILE : region->y1;
@@ -51,7 +51,7 @@ static void put_pixels(wave *w, size_t x, size_t y, const wave_region *region, i
 }
 
 wave_tile_fn CELLWALK_TILE;
-void CELLWALK_TILE(wave *w, size_t x, size_t y, const wave_region *region, io_image *image) {
+void CELLWALK_TILE(wave *w, size_t x, size_t y, const scene_crop *region, io_image *image) {
     memset(w->sum, 0, sizeof w->sum);
     /* A tile's samples are divided into the same waves for any region, so that a pixel's sum is made in the same
      * order. */
