@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const reason_names[AGREE_REASON_COUNT] = {"end", "edge", "grazing", "other"};
+static const char *const reason_names[AGREE_REASON_COUNT] = {"end", "edge", "grazing", "unjudged", "other"};
 
 const char *agree_reason_name(agree_reason reason) { return reason_names[reason]; }
 
@@ -39,10 +39,12 @@ static double cosine(const cw_field *field, const cw_ray *ray, const cw_hit *hit
 /* Why this hit might be missed. */
 static agree_reason reason_of(const cw_field *field, const cw_ray *ray, const cw_hit *hit, slack s) {
     const double bound = AGREE_ROUNDINGS * s.unit, c = cosine(field, ray, hit, s.length);
+    if (!(c * fabs((double)hit->t) >= 0)) return AGREE_OTHER; /* NaN */
+    if (AGREE_PLACE <= bound) return AGREE_UNJUDGED;
     const double from_start = fabs((double)hit->t - (double)ray->tmin),
                  to_end = fabs((double)ray->tmax - (double)hit->t);
     if (fmin(from_start, to_end) * s.length * c <= bound) return AGREE_END;
-    if (!(c * 0.25 > bound)) return AGREE_GRAZING;
+    if (!(c * AGREE_PLACE > bound)) return AGREE_GRAZING;
     const double edge = fmin(fmin((double)hit->u, (double)hit->v), 1 - (double)hit->u - (double)hit->v);
     return edge <= bound / c ? AGREE_EDGE : AGREE_OTHER;
 }
@@ -68,13 +70,13 @@ void agree_closest(agreement *sum, const cw_field *field, const cw_ray *rays, si
         }
         const double flatter = fmin(cosine(field, &rays[k], &a[k], s.length), cosine(field, &rays[k], &b[k], s.length));
         const double apart = fabs((double)a[k].t - (double)b[k].t) * s.length * flatter / s.unit;
-        if (apart > AGREE_ROUNDINGS) {
+        const bool other = a[k].i != b[k].i || a[k].j != b[k].j || a[k].triangle != b[k].triangle;
+        if (!(apart <= AGREE_ROUNDINGS) || (other && AGREE_PLACE <= AGREE_ROUNDINGS * s.unit)) {
+            const cw_hit *nearer = a[k].t < b[k].t ? &a[k] : &b[k];
             sum->far++;
-            sum->why[reason_of(field, &rays[k], a[k].t < b[k].t ? &a[k] : &b[k], s)]++;
-            continue;
-        }
-        sum->worst = fmax(sum->worst, apart);
-        sum->other_triangle += a[k].i != b[k].i || a[k].j != b[k].j || a[k].triangle != b[k].triangle;
+            sum->why[isnan(apart) ? AGREE_OTHER : reason_of(field, &rays[k], nearer, s)]++;
+        } else
+            sum->other_triangle += other;
     }
 }
 

@@ -46,7 +46,6 @@ json_t *results_agreement(const agreement *a) {
     results_set_counts(
         object, "rays hits_reference hits only_reference only_this far other_triangle same_bits",
         (size_t[]){a->rays, a->hits_a, a->hits_b, a->only_a, a->only_b, a->far, a->other_triangle, a->same_bits});
-    results_set_numbers(object, "worst_roundings", &a->worst);
     json_object_set_new(object, "why", why);
     return object;
 }

@@ -14,11 +14,14 @@ static void print_findings(const json_t *line) {
     if (a) {
         const double differ =
             results_number(a, "only_reference") + results_number(a, "only_this") + results_number(a, "far");
-        const double rays = results_number(a, "rays"), other = results_number(json_object_get(a, "why"), "other");
+        const json_t *why = json_object_get(a, "why");
+        const double rays = results_number(a, "rays"), other = results_number(why, "other"),
+                     unjudged = results_number(why, "unjudged");
         if (differ > 0)
-            printf(", %.0f of %.0f rays differ by rounding", differ - other, rays);
+            printf(", %.0f of %.0f rays differ by rounding", differ - other - unjudged, rays);
         else
             printf(results_number(a, "same_bits") == rays ? ", same bits" : ", all agree");
+        if (unjudged > 0) printf(", %.0f are unjudged", unjudged);
         if (other > 0) printf(", %.0f are WRONG", other);
     }
     static const char *const found[][2] = {
