@@ -25,14 +25,8 @@ bool workload_class_is_any(workload_class c) { return classes[c].any; }
 bool workload_class_is_coherent(workload_class c) { return classes[c].coherent; }
 
 /* Number stream of a class: the second input of the hash, beside the ray's number. */
-enum {
-    STREAM_AO = 100,
-    STREAM_BOUNCE = 200,
-    STREAM_RANDOM = 300,
-    STREAM_GRAZING = 400,
-    STREAM_SHORT = 500,
-    STREAM_BESIDE = 600
-};
+enum { STREAM_AO = 100, STREAM_BOUNCE = 200, STREAM_RANDOM = 300 };
+enum { STREAM_GRAZING = 400, STREAM_SHORT = 500, STREAM_BESIDE = 600 };
 
 /* Uniform in (0, 1), never an end. */
 static double uniform(uint32_t seed, size_t ray, uint32_t stream) {
@@ -71,8 +65,16 @@ static camera camera_place(const cw_field *field, const cw_run *query) {
     enum { COARSE = 32 };
     const cw_field_info info = cw_field_describe(field);
     const double side = (double)((info.nx > info.ny ? info.nx : info.ny) - 1);
-    const size_t i = (info.nx - 1) / 2, j = (info.ny - 1) / 50;
-    camera c = {.eye = {(double)i, (double)j, (double)cw_field_row(field, j)[i] + 0.04 * side}};
+    camera c = {.eye = {NAN}};
+    double least = INFINITY; /* from there: the nearest sample that is no hole */
+    for (size_t j = 0; j < info.ny; j++)
+        for (size_t i = 0; i < info.nx; i++) {
+            const double x = (double)i - (double)((info.nx - 1) / 2), y = (double)j - (double)((info.ny - 1) / 50);
+            const double z = (double)cw_field_row(field, j)[i];
+            if (!(x * x + y * y < least && isfinite(z))) continue;
+            least = x * x + y * y;
+            c = (camera){.eye = {(double)i, (double)j, z + 0.04 * side}};
+        }
 
     double low = -1, high = 1; /* the whole field lies below the view's axis at -1, above it at 1 */
     for (int step = 0; step < 12; step++) {
@@ -216,8 +218,9 @@ static cw_ray short_ray(const cw_field *field, const cw_field_info *info, uint32
                        .dir = {0, 0, 1}};
     const double away = 0.5 + uniform(seed, k, STREAM_SHORT + 2) * 1.5;
     double org[3], normal[3], dir[3];
-    cw_hit hit;
+    cw_hit hit = {.i = -1};
     cw_surface_at(field, NULL, (double[2]){(double)up.org[0], (double)up.org[1]}, 1, &hit);
+    if (hit.i < 0) return (cw_ray){.org = {NAN}}; /* a hole */
     meet(field, &up, &hit, org, normal);
     cosine_direction(normal, seed, k, STREAM_SHORT + 3, dir);
     for (int c = 0; c < 3; c++) {
@@ -311,7 +314,7 @@ static size_t aimed(const cw_field *field, workload_class c, uint32_t seed, size
     return n;
 }
 
-size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays) {
+static size_t make(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays) {
     /* One fixed kernel and leaf test, so that the rays do not change when a better kernel becomes the default. */
     const cw_run query = {.expert.kernel = cw_kernel_find("cell"), .expert.leaf = CW_LEAF_WATERTIGHT};
     const cw_field_info info = cw_field_describe(field);
@@ -330,4 +333,15 @@ size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed
                   : c == WORKLOAD_RANDOM   ? random_ray(&info, seed, k)
                                            : grazing_ray(&info, seed, k);
     return n;
+}
+
+size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays) {
+    const size_t made = make(field, c, seed, n, rays);
+    size_t kept = 0;
+    for (size_t k = 0; k < made; k++) {
+        double zero = 0;
+        for (int a = 0; a < 3; a++) zero += 0 * ((double)rays[k].org[a] + (double)rays[k].dir[a]);
+        if (zero == 0) rays[kept++] = rays[k];
+    }
+    return kept;
 }

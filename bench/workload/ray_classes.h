@@ -21,16 +21,14 @@ typedef enum workload_class {
     WORKLOAD_EDGES,
     /* To places anywhere on the surface from 0.5 to 2 cells before them: for counting errors too. */
     WORKLOAD_WITHIN_TWO,
-    WORKLOAD_ALL,
     /* For the worst case, timed on request only. Three quarters run at random places and in random directions parallel to the
      * plane through the field's corners, 10^-2 to 10^-5 above or below the highest sample over that plane. One quarter runs
      * along x, lower, but above the lowest sample. */
-    WORKLOAD_BESIDE = WORKLOAD_ALL,
+    WORKLOAD_BESIDE,
     WORKLOAD_NAMES
 } workload_class;
 
-/* "primary", "shadow", "ao", "bounce", "random", "grazing", "afar", "vertices", "edges", "within-2",
- * "beside". */
+/* As in a plan: "primary" to "beside"; NULL if there is no such class. */
 const char *workload_class_name(workload_class c);
 /* True if queries of the class find any hit, false if the closest. */
 bool workload_class_is_any(workload_class c);
@@ -41,8 +39,8 @@ enum { WORKLOAD_TILE = 16, WORKLOAD_PRIMARY_MAX = 1024 * 1024 };
 
 /* Writes at most n rays in field space and returns how many. Primary rays come in whole tiles, spread over the picture
  * in runs of tiles that are neighbours, at most WORKLOAD_PRIMARY_MAX; shadow, ambient occlusion and bounce rays start
- * from the hits of about 2 n such primary rays, so that they may be some fewer than n. 0 if out of memory. The field's
- * map is to be the identity, and aimed rays need 4 samples a side. */
+ * from the hits of about 2 n such primary rays, so that they may be some fewer than n. Rays to holes of the field are
+ * left out. 0 if out of memory. The field's map is to be the identity, and aimed rays need 4 samples a side. */
 size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays);
 
 #endif

@@ -92,11 +92,16 @@ def test_a_line_with_instruction_sets(tmp_path):
 
 
 def test_a_run_that_ends_early_leaves_what_it_has(tmp_path):
-    np.save(tmp_path / "holes.npy", np.full((9, 9), np.nan, np.float32))
-    (tmp_path / "my.plan").write_text(f"65/primary default,cell agree\n{tmp_path}/holes.npy/primary cell error\n")
-    done = run("measure", tmp_path / "my.plan", "-o", tmp_path / "out.jsonl", *WIDE, status=1)
+    """And rays on land with holes, one of them under the camera, meet its surface."""
+    land = np.random.default_rng(1).normal(size=(60, 60)).astype(np.float32)
+    land[5::7, 3::7] = land[1, 29] = np.nan
+    np.save(tmp_path / "holes.npy", land)
+    holes = f"{tmp_path}/holes.npy"
+    done, lines = measure(tmp_path, f"{holes}/primary,within-2,vertices,edges,beside default,embree:w8 agree\n{holes}/primary cell error\n", status=1)
     assert "holes.npy/primary: errors are judged" in done.stderr
-    assert [json.loads(line)["kind"] for line in (tmp_path / "out.jsonl").read_text().splitlines()] == ["run", "result", "result"]
+    found = {line["item"]: line["agreement"] for line in lines if "left_out" not in line}
+    assert all(of["hits_reference"] > 0 == of["why"]["other"] for of in found.values())
+    assert found["primary"]["rays"] == found["beside"]["rays"] == 4096 > found["within-2"]["rays"] > 3000 < found["edges"]["rays"]
 
 
 def test_building_counts_bytes(tmp_path):
