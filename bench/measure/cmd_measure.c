@@ -106,9 +106,11 @@ static bool run_line(const plan_line *line, const measure_options *o, double sha
 
 /* ---- a plan ---- */
 
-/* A time that no page may quote. */
-static bool is_wide(const json_t *line) {
-    return json_is_true(json_object_get(line, "best_of_group")) && json_is_false(json_object_get(line, "converged"));
+/* An answer that rounding does not explain: an error in its place. */
+static bool is_right(const json_t *line, io_error *error) {
+    const double wrong = results_number(json_object_get(json_object_get(line, "agreement"), "why"), "other");
+    return wrong == 0 || io_fail(error, "%s: %.0f answers of %s are wrong", results_text(line, "workload"), wrong,
+                                 results_text(line, "contender"));
 }
 
 /* After each line, so that a run that is interrupted leaves what it has measured. Of no results: whether FILE could be written. */
@@ -123,10 +125,12 @@ static bool save(const char *path, const json_t *results, io_error *error) {
     return good;
 }
 
+/* Times that no page may quote. */
 static size_t count_wide(const json_t *results) {
     size_t index, wide = 0;
     const json_t *line;
-    json_array_foreach((json_t *)results, index, line) wide += is_wide(line);
+    json_array_foreach((json_t *)results, index, line) wide +=
+        json_is_true(json_object_get(line, "best_of_group")) && json_is_false(json_object_get(line, "converged"));
     return wide;
 }
 
@@ -170,6 +174,7 @@ static bool run_plan(const plan *p, const char *name, measure_options *o, json_t
                 "%zu results have not converged in %.3g s: no figure of theirs may be quoted; give more --seconds, or "
                 "stop other programs\n",
                 count_wide(results), o->seconds);
+    for (size_t k = 0; good && k < json_array_size(results); k++) good = is_right(json_array_get(results, k), error);
     return good;
 }
 
@@ -241,8 +246,8 @@ static const char what[] =
     "  8193/primary      default,coarser:2,coarser:4  time,error\n"
     "  scenes/hftest     default,grid3d,embree        time\n\n"
     "Contenders are compared first, then timed in turns, each round in another order, until the 95 % intervals of "
-    "their ratios to "
-    "the first are narrow. A figure that did not get there is marked and the exit status is 1.\n\n"
+    "their ratios to the first are narrow. The exit status is 1 if a figure did not get there, which is marked, or if "
+    "an answer is wrong.\n\n"
     "A field is a number of samples a side of fractal land, sea-calm, sea-rough, plane, grooves, comb, checkerboard, "
     "jacksboro, "
     "or the file of a raster. Without a plan, --field times all classes of rays on a raster of your own beside Embree.";

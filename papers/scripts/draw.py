@@ -113,6 +113,11 @@ def table(head, rows):
 
 # ---- results ----
 
+def right(line):
+    """Whether rounding explains all of a contender's answers that differ."""
+    return not line.get("agreement", {}).get("why", {}).get("other")
+
+
 def alone(line):
     """The line for a figure that is no ratio: it may be quoted only if its own interval is narrow, too."""
     narrow = line.get("seconds_high", 1) <= 1.25 * line.get("seconds_low", 1)
@@ -244,7 +249,7 @@ class Data:
             if not lines or lines[0].get("kind") != "run":
                 raise Problem(f'{path}:1: results begin with an object of kind "run"')
             # sure: whether it may be quoted.
-            self.files[path] = lines[0], Rows({**line, "sure": line.get("converged", True)} for line in lines[1:])
+            self.files[path] = lines[0], Rows({**line, "sure": line.get("converged", True) and right(line)} for line in lines[1:])
         return self.files[path]
 
     def there(self):
