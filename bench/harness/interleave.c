@@ -117,7 +117,7 @@ static bool judge(interleave_job **jobs, size_t count, size_t n, double width) {
         if (!jobs[k]->ended) jobs[k]->seconds = summary(jobs[k]->times, n);
     for (size_t k = 0; k < count; k++) {
         const interleave_job *best = best_of(jobs, count, jobs[k]);
-        jobs[k]->best = best == jobs[k];
+        jobs[k]->best = best == jobs[k] && !jobs[k]->ended;
         /* The first is what the others are measured against. */
         jobs[k]->ended = jobs[k]->ended || (k > 0 && is_hopeless(jobs[k], best));
         const statistics s = k ? interleave_ratio(jobs[k], jobs[0]) : jobs[0]->seconds;

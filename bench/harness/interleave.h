@@ -10,7 +10,7 @@
 
 /* ---- statistics of a handful of timings ---- */
 
-/* Two medians whose intervals both hold with 0.975 bound their ratio with at least 0.95 (Bonferroni). */
+/* Stricter than 0.95, since interleave() looks after each round and stops at the first that is narrow. */
 #define STATISTICS_CONFIDENCE 0.975
 
 typedef struct statistics {
@@ -47,9 +47,10 @@ typedef struct interleave_job {
     unsigned runs;
     double times[INTERLEAVE_MOST];
     statistics seconds;
-    bool ended;     /* takes no part in later rounds */
-    bool best;      /* of its group */
-    bool converged; /* the interval of the ratio to the first job, or of the first one's median, is narrow enough */
+    bool ended; /* takes no part in later rounds */
+    bool best;  /* of its group */
+    bool
+        converged; /* the interval of the ratio to the first job is narrow enough; of the first one: there are enough passes */
 } interleave_job;
 
 typedef struct interleave_limits {

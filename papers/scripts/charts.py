@@ -58,17 +58,18 @@ def bars(a, run, rows, series):
     figure, ((axes,),) = canvas(a, run, height, left=0.17, right=0.95, bottom=0.03, top=1 - 0.8 / height)
     legend(figure, height, series)
     found = {(n, s.contender): rows.rate(s.contender, **{a["rows"]: n}) for n in names for s in series}
-    most, thick = max(v for v in found.values() if v), 0.8 / len(series)
+    most, thick = max(v for v in found.values() if v and v.sure), 0.8 / len(series)
     for k, n in enumerate(names):
         for c, s in enumerate(series):
             v, y = found[n, s.contender], k + (c - (len(series) - 1) / 2) * thick
             if v is None:
                 continue
-            axes.barh(y, v, thick * 0.92, color=s.color)
+            end = v if v.sure else 0
+            axes.barh(y, end, thick * 0.92, color=s.color)
             text = draw.digits(v)
-            if c == 0 and len(series) > 1:
+            if c == 0 and len(series) > 1 and v.sure:
                 text += f" ({draw.digits(rows.faster(series[1].contender, s.contender, **{a['rows']: n}))} times as fast)"
-            axes.text(v + most / 100, y, text, va="center", color=s.color, fontsize=8.5)
+            axes.text(end + most / 100, y, text, va="center", color=s.color, fontsize=8.5)
     axes.set_yticks(range(len(names)), [draw.name(n) for n in names])
     axes.invert_yaxis()
     axes.set_xlim(0, most * 1.4)
@@ -91,7 +92,7 @@ def lines(a, run, rows, series):
     for k, (title, group) in enumerate(panels):
         panel = axes[k // columns][k % columns]
         for s in series:
-            points = [(x, v) for x, v in ((x, group.rate(s.contender, **{a["x"]: n})) for x, n in enumerate(xs)) if v]
+            points = [(x, v) for x, v in ((x, group.rate(s.contender, **{a["x"]: n})) for x, n in enumerate(xs)) if v and v.sure]
             if points:
                 panel.plot(*zip(*points), s.mark + "-", color=s.color)
         panel.set_title(title, pad=3)
@@ -113,9 +114,9 @@ KINDS = {"bars": bars, "lines": lines}
 
 
 def svg(name, a, run, rows):
-    """A chart's text; fails if something in it is cut off or lies on something else. Figures that have not converged are not drawn."""
-    rows = type(rows)(line for line in rows if draw.alone(line)["sure"])
-    if not rows:
+    """A chart's text; fails if something in it is cut off or lies on something else. Figures that have not converged are not drawn;
+    bars say so."""
+    if not any(draw.alone(line)["sure"] for line in rows):
         raise draw.Problem(f"{name}: no figure has converged")
     figure = KINDS[a["kind"]](a, run, rows, [Series(part) for part in a["series"].split(";")] if "series" in a else [])
     layout.check(name, figure)

@@ -137,11 +137,12 @@ class Rows(list):
         return sum(line[outer][inner] if inner else line.get(key, 0) for line in self)
 
     def best(self, contender, **members):
-        """The contender's line, of several packet widths the fastest; of several lines of the plan the first. None if it was left out."""
+        """The contender's line, of packet widths the best; of several lines of the plan the first. None if it was left out."""
         found = [line for line in self if contender in (line.get("contender"), line.get("group")) and "left_out" not in line and
                  all(line.get(key) == value for key, value in members.items())]
         first = min((line.get("line", 0) for line in found), default=0)
-        return min((line for line in found if line.get("line", 0) == first), key=lambda line: line.get("seconds_median", 0), default=None)
+        return min((line for line in found if line.get("line", 0) == first),
+                   key=lambda line: (not line.get("best_of_group", True), line.get("seconds_median", 0)), default=None)
 
     def faster(self, a="embree", b="default", **members):
         """How many times as long a takes as b, measured in turns; None if they were not."""

@@ -66,6 +66,11 @@ class Blocks(Folder):
         data = self.data(line("default", 1, line=0), line("default", 2), line("embree:w8", 8))
         self.assertEqual(draw.made("text", "file=a\n{digits(faster())}", data), "4.0\n")
 
+    def test_a_width_that_has_ended_is_not_the_best_and_wrong_answers_are_not_quoted(self):
+        ended, wrong = line("embree:w4", 6, best_of_group=False), line("cell", 1, agreement={"why": {"other": 1}})
+        data = self.data(line("default", 2), ended, line("embree:w8", 8, best_of_group=True), wrong)
+        self.assertEqual(draw.made("text", "file=a\n{digits(faster())}, {digits(faster('cell'))}", data), "4.0, n. c.\n")
+
     def test_sums_and_titles_of_columns(self):
         data = self.data({"kind": "x", "by": "a", "n": 1200}, {"kind": "x", "by": "a", "n": 34, "m": {"k": 5}}, {"kind": "y"})
         query = """file=a where="kind == 'x'" rows=by head=by columns="n|grouped(total('n'))" """
@@ -122,15 +127,20 @@ class Layout(Folder):
     def setUp(self):
         super().setUp()
         try:
-            import charts  # noqa: F401 (its settings)
+            import charts
             import layout
         except ImportError:
             self.skipTest("matplotlib is missing")
         from matplotlib import pyplot
-        self.layout = layout
+        self.layout, self.charts = layout, charts
         self.figure, self.axes = pyplot.subplots(figsize=(4, 3))
         self.addCleanup(pyplot.close, self.figure)
         self.axes.plot([1, 2, 3], [1, 2, 3], "o-")
+
+    def test_a_slower_width_does_not_stand_in_for_one_that_has_not_converged(self):
+        a = {"kind": "bars", "title": "Bars", "rows": "item", "series": "Cellwalk|default|ours; Embree|embree|embree"}
+        rows = [{**one, "sure": one["converged"]} for one in (line("default", 2), line("embree:w8", 4, converged=False), line("embree:w4", 5))]
+        self.assertIn("(n. c. times as fast)", self.charts.svg("bars", a, RUN, draw.Rows(rows)))
 
     def finds(self, *texts):
         found = self.layout.faults(self.figure)

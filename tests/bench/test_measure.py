@@ -64,8 +64,7 @@ def test_errors_of_leaf_tests_and_coarser_land(tmp_path):
     assert exact["leaks_per_million"] == exact["wrong_per_million"] == exact["phantoms_per_million"] == 0
     assert loose["leaks_per_million"] > 10000
     assert "leaks_per_million" not in coarse and coarse["t_99"] > 1e3 * exact["t_99"]
-    strict = by_name(lines[3:])["default"]
-    assert strict["ulp_worst"] <= 0.5001
+    assert by_name(lines[3:])["default"]["ulp_worst"] <= 0.5001
 
 
 def test_embree_agrees_and_its_fastest_width_is_marked(tmp_path):
@@ -75,8 +74,7 @@ def test_embree_agrees_and_its_fastest_width_is_marked(tmp_path):
     for work in ("ao", "bounce"):
         peers = [line for line in lines if line["group"] == "embree" and line["item"] == work]
         assert len(peers) == 4 and sum(line["best_of_group"] for line in peers) == 1
-        best = next(line for line in peers if line["best_of_group"])
-        assert best["seconds_median"] == min(line["seconds_median"] for line in peers)
+        assert min(peers, key=lambda line: (-line["samples"], line["seconds_median"]))["best_of_group"]
         assert all(line["agreement"]["why"]["other"] == 0 for line in peers)
 
 
@@ -215,20 +213,8 @@ def test_contenders_that_cannot_run_are_left_out(tmp_path):
 
 # ---- the guard against slow-downs -----------------------------------------------------------------------------------------
 
-PROFILE = """version: 1
-part: 1
-ob=/some/where/work
-fn=a
-10 100
-calls=1 20
-11 5000
-12 7
-ob=/lib/libm.so
-1 900
-part: 2
-ob=/some/where/work
-10 55
-""".splitlines()
+PROFILE = ("version: 1,part: 1,ob=/some/where/work,fn=a,10 100,calls=1 20,11 5000,12 7,ob=/lib/libm.so,1 900,"
+           "part: 2,ob=/some/where/work,10 55").split(",")
 
 
 def test_only_the_programs_own_code_counts_once():
@@ -245,14 +231,10 @@ def test_parts_go_to_runs_in_order():
 
 
 @pytest.mark.parametrize("now, absent, sentences, bad", [
-    ({"a": (8, 1000), "b": (8, 1000)}, set(), 0, False),
-    ({"a": (8, 1020), "b": (8, 980)}, set(), 0, False),
-    ({"a": (8, 1021), "b": (8, 1000)}, set(), 1, True),
-    ({"a": (8, 1000), "b": (8, 979)}, set(), 1, False),
-    ({"a": (9, 1000), "b": (8, 1000)}, set(), 1, True),
-    ({"a": (8, 1000), "b": (8, 1000), "c": (8, 1)}, set(), 1, True),
-    ({"a": (8, 1000)}, set(), 1, True),
-    ({"a": (8, 1000)}, {"b"}, 0, False),
+    ({"a": (8, 1000), "b": (8, 1000)}, set(), 0, False), ({"a": (8, 1020), "b": (8, 980)}, set(), 0, False),
+    ({"a": (8, 1021), "b": (8, 1000)}, set(), 1, True), ({"a": (8, 1000), "b": (8, 979)}, set(), 1, False),
+    ({"a": (9, 1000), "b": (8, 1000)}, set(), 1, True), ({"a": (8, 1000), "b": (8, 1000), "c": (8, 1)}, set(), 1, True),
+    ({"a": (8, 1000)}, set(), 1, True), ({"a": (8, 1000)}, {"b"}, 0, False),
 ])
 def test_verdicts(now, absent, sentences, bad):
     committed = {"a": (8, 1000), "b": (8, 1000)}
