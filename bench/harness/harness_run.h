@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Common parts of the subcommands that measure: the options for instruction set, CPU and seed, and the record of all
- * that a figure depends on besides the code. It is the first line of every JSON file and the last of every printed
- * table. */
+ * that a figure depends on besides the code. It is the first line of every JSON file and of every printed table. */
 #ifndef CELLWALK_BENCH_HARNESS_HARNESS_RUN_H
 #define CELLWALK_BENCH_HARNESS_HARNESS_RUN_H
 
@@ -33,8 +32,7 @@ typedef struct run_options {
     {"no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, .to = &(run).no_pin}
 /* clang-format on */
 
-/* Limits the library to the instruction set; false, after a message, if this machine or CELLWALK_ISA does not allow
- * it. */
+/* Limits the library to the instruction set; false, after a message, if machine or CELLWALK_ISA does not allow it. */
 bool run_options_check(run_options *run, const char *name);
 
 /* Keeps the program on its CPU: that CPU, or -1 if it is to be free. False if the system does not allow it. */

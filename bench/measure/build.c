@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* FIELD/build: structures made from a field's samples, and the memory that they hold. Embree's vertex and index arrays are not
- * counted as time. */
+/* FIELD/build: structures made from a field's samples, and their memory. Filling Embree's arrays is not timed. */
 
 #include "clock.h"
 #include "harness/harness_memory.h"
@@ -48,7 +47,7 @@ static void build(void *context) {
 static bool knows(const char *name, io_error *error) {
     contender_spec s;
     return contenders_parse(&s, name, error) &&
-           (s.kind < PEER_KINDS || strcmp(s.base, "default") == 0 ||
+           ((s.kind < PEER_KINDS ? s.width == 0 : strcmp(s.base, "default") == 0 && s.call == 0 && s.leaf == 0) ||
             io_fail(error, "contender %s: what builds is default, default:threads=N, embree, embree:grid, bullet",
                     name));
 }

@@ -249,8 +249,7 @@ static const char what[] =
     "their ratios to the first are narrow. The exit status is 1 if a figure did not get there, which is marked, or if "
     "an answer is wrong.\n\n"
     "A field is a number of samples a side of fractal land, sea-calm, sea-rough, plane, grooves, comb, checkerboard, "
-    "jacksboro, "
-    "or the file of a raster. Without a plan, --field times all classes of rays on a raster of your own beside Embree.";
+    "jacksboro, or a raster's file. Without a plan, --field times all classes of rays on your raster beside Embree.";
 
 static const char examples[] = "  cellwalk-bench measure --field dem.tif            # your own land\n"
                                "  cellwalk-bench measure speed -o speed.jsonl\n"

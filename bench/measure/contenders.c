@@ -8,16 +8,13 @@
 
 const char contenders_help[] =
     "Contenders of rays: default, a kernel, embree, bullet, or coarser:FACTOR. Options follow after colons: a leaf "
-    "test "
-    "(default:moller-trumbore), call=N rays a call, threads=N; for embree robust, grid, medium (the build's quality) "
-    "and wN, "
-    "one packet width of 1, 4, 8 and 16";
+    "test (default:moller-trumbore), call=N rays a call, threads=N; for embree robust, grid, medium (the build's "
+    "quality) and wN, one packet width of 1, 4, 8 and 16";
 
-/* N of a text that is KEY and a number. */
-static bool number_after(const char *text, const char *key, unsigned most, unsigned *number) {
+bool contenders_number(const char *text, const char *key, unsigned most, unsigned *number) {
     const size_t length = strlen(key);
     char *end;
-    if (strncmp(text, key, length) != 0 || text[length] == '\0') return false;
+    if (strncmp(text, key, length) != 0 || text[length] < '0' || text[length] > '9') return false;
     const unsigned long value = strtoul(text + length, &end, 10);
     *number = (unsigned)value;
     return *end == '\0' && value >= 1 && value <= most;
@@ -34,7 +31,7 @@ static bool take_peer_option(contender_spec *s, const peer_kind *kind, const cha
             s->options |= peer_words[k].option;
             return kind->options & peer_words[k].option;
         }
-    if (!number_after(word, "w", 16, &s->width)) return false;
+    if (!contenders_number(word, "w", 16, &s->width)) return false;
     size_t w = 0;
     while (w < PEER_WIDTHS && kind->widths[w] != 0 && kind->widths[w] != s->width) w++;
     return w < PEER_WIDTHS && (kind->widths[w] != 0 || w == 0); /* none are known of one that was not built */
@@ -43,7 +40,7 @@ static bool take_peer_option(contender_spec *s, const peer_kind *kind, const cha
 static bool take_option(contender_spec *s, const char *word) {
     unsigned factor;
     if (s->kind < PEER_KINDS) return take_peer_option(s, peer_kinds[s->kind], word);
-    if (strcmp(s->base, "coarser") == 0 && number_after(word, "", FACTOR_MAX, &factor)) {
+    if (strcmp(s->base, "coarser") == 0 && contenders_number(word, "", FACTOR_MAX, &factor)) {
         s->factor = factor;
         return true;
     }
@@ -52,8 +49,8 @@ static bool take_option(contender_spec *s, const char *word) {
             s->leaf = (cw_leaf)leaf;
             return true;
         }
-    return number_after(word, "call=", 1 << 20, &s->call) ||
-           number_after(word, "threads=", CW_THREADS_MAX, &s->threads);
+    return contenders_number(word, "call=", 1 << 20, &s->call) ||
+           contenders_number(word, "threads=", CW_THREADS_MAX, &s->threads);
 }
 
 bool contenders_parse(contender_spec *s, const char *name, io_error *error) {

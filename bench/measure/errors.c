@@ -76,8 +76,7 @@ void errors_forget(land *l) { (void)l; }
 
 bool errors_of_rays(land *l, const contender *of, const cw_ray *rays, size_t n, contender_answers answers, bool any,
                     json_t *line, io_error *error) {
-    (void)l, (void)of, (void)rays, (void)n, (void)answers, (void)any;
-    (void)error;
+    (void)l, (void)of, (void)rays, (void)n, (void)answers, (void)any, (void)error;
     json_object_set_new(line, "not_judged",
                         json_string("built without the exact oracle, which needs GMP (Debian: libgmp-dev)"));
     return true;

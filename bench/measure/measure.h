@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cellwalk-bench measure: a plan is lines "workloads contenders metrics". Each workload is one piece of work that all of its
- * contenders do; they are compared, then timed in turns. A new workload is a workload_kind in a file of its own and a row in
- * plan_lines.c. */
+ * contenders do; they are compared, then timed in turns. A new one is a workload_kind in a file and a row in plan_lines.c. */
 #ifndef CELLWALK_BENCH_MEASURE_MEASURE_H
 #define CELLWALK_BENCH_MEASURE_MEASURE_H
 
@@ -132,6 +131,8 @@ typedef struct contender_spec {
     const cw_kernel *kernel;
 } contender_spec;
 bool contenders_parse(contender_spec *s, const char *name, io_error *error);
+/* N from 1 to most, of a text that is KEY and N. */
+bool contenders_number(const char *text, const char *key, unsigned most, unsigned *number);
 bool contenders_know(const char *name, io_error *error);
 
 /* Contenders of that name on the land: one, or one for each packet width of a peer. count is 0, with why, where it cannot run here.

@@ -139,7 +139,7 @@ static bool enter(workload *w, const char *name, io_error *error) {
     for (size_t f = 0; f < s->field_count && e->why[0] == '\0'; f++)
         if (!contenders_of(&s->lands[f], name, true, (cw_isa)w->options->run.isa, p->by[f], &p->widths, e->why, error))
             return false;
-    e->job = (interleave_job){.run = render_timed, .context = p};
+    e->job = (interleave_job){.run = render_timed, .context = p, .by_clock = p->by[0][0].contender.threads > 1};
     return true;
 }
 

@@ -8,6 +8,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const workload_kind *const kinds[] = {&measure_rays, &measure_scene, &measure_build, &measure_horizon,
@@ -17,7 +18,7 @@ const workload_kind *measure_kind(size_t number) {
     return number < sizeof kinds / sizeof *kinds ? kinds[number] : NULL;
 }
 
-static bool metrics_of(char *text, unsigned *metrics) {
+static bool metrics_of(char *text, unsigned *metrics, io_error *error) {
     static const struct {
         const char *name;
         unsigned metrics;
@@ -30,7 +31,8 @@ static bool metrics_of(char *text, unsigned *metrics) {
     for (char *word; (word = strsep(&rest, ",")) != NULL;) {
         size_t k = 0;
         while (k < sizeof all / sizeof *all && strcmp(word, all[k].name) != 0) k++;
-        if (k == sizeof all / sizeof *all) return false;
+        if (k == sizeof all / sizeof *all)
+            return io_fail(error, "%s: no metric; these are time, agree, error and instructions", word);
         *metrics |= all[k].metrics;
     }
     return true;
@@ -63,6 +65,8 @@ static bool add_line(plan *p, const char *workloads, char *const *contenders, si
     const char *slash = strrchr(workloads, '/');
     if (slash == NULL || slash == workloads || slash[1] == '\0') return false;
     char fields[MEASURE_NAME], items[MEASURE_NAME], *next = fields;
+    if (slash - workloads >= MEASURE_NAME || strlen(slash) > MEASURE_NAME)
+        return io_fail(error, "more than %d characters of fields or of works", MEASURE_NAME - 1);
     snprintf(fields, sizeof fields, "%.*s", (int)(slash - workloads), workloads);
     for (char *name; (name = strsep(&next, ",")) != NULL;) {
         snprintf(items, sizeof items, "%s", slash + 1);
@@ -88,7 +92,7 @@ static bool take_line(plan *p, char *text, const measure_options *o, io_error *e
     unsigned metrics;
     for (char *word; count < 5 && (word = strsep(&rest, " \t")) != NULL;)
         if (*word) words[count++] = word;
-    if (count < 3 || count > 4 || !metrics_of(words[2], &metrics)) return false;
+    if (count < 3 || count > 4 || !metrics_of(words[2], &metrics, error)) return false;
     for (char *name; (name = strsep(&words[1], ",")) != NULL;) {
         if (*name == '\0' || entered == ENTRANTS_MAX) return false;
         contenders[entered++] = name;
@@ -97,20 +101,20 @@ static bool take_line(plan *p, char *text, const measure_options *o, io_error *e
     for (char *name; (name = strsep(&words[3], ",")) != NULL;) {
         int isa = CW_ISA_COUNT - 1;
         while (isa >= CW_ISA_SCALAR && strcmp(name, cw_isa_name((cw_isa)isa)) != 0) isa--;
-        if (isa < CW_ISA_SCALAR || !add_line(p, words[0], contenders, entered, metrics, isa, o, error)) return false;
+        if (isa < CW_ISA_SCALAR) return io_fail(error, "%s: no instruction set", name);
+        if (!add_line(p, words[0], contenders, entered, metrics, isa, o, error)) return false;
     }
     return true;
 }
 
 bool measure_plan_read(plan *p, const char *name, const measure_options *o, io_error *error) {
-    io_error why = {
-        "a line is FIELD/WORK CONTENDERS METRICS [ISAS], with commas in lists; metrics are time, agree, error and "
-        "instructions"};
+    io_error why = {"a line is FIELD/WORK CONTENDERS METRICS [ISAS], with commas in lists"};
     char shipped[4096];
     size_t size;
     *p = (plan){0};
     snprintf(shipped, sizeof shipped, "%s/%s.plan", BUILD_INFO_PLANS, name);
-    const bool is_file = access(name, F_OK) == 0 || strchr(name, '/') != NULL;
+    struct stat about;
+    const bool is_file = (stat(name, &about) == 0 && !S_ISDIR(about.st_mode)) || strchr(name, '/') != NULL;
     const char *path = is_file ? name : shipped;
     if (access(path, F_OK) != 0) return io_fail(error, "%s: no such plan, neither a file nor one that ships", name);
     p->text = io_file_read(path, &size, error);

@@ -89,7 +89,7 @@ static void put_time(FILE *to, const json_t *line, const json_t *embree) {
     const double share = results_number(line, "time_to_first") / results_number(embree, "time_to_first");
     if (!json_is_true(json_object_get(line, "converged")))
         fputs(" (not converged) |", to);
-    else if (line == embree || embree == NULL)
+    else if (line == embree || !json_is_true(json_object_get(embree, "converged")))
         fputs(" |", to);
     else
         fprintf(to, " (%.2f) |", share);
@@ -107,9 +107,8 @@ void print_scenes(FILE *to, const json_t *lines) {
     run_record_text(json_array_get(lines, 0), machine, sizeof machine);
     fprintf(to,
             "%s.\n\nSeconds to render, median CPU time of one thread, building excluded. In brackets: time relative to "
-            "embree, "
-            "its triangle mesh with the same normals; below 1 is faster than Embree. *default* is the library's "
-            "kernel.\n\n| scene |",
+            "embree, its triangle mesh with the same normals; below 1 is faster than Embree. *default* is the "
+            "library's kernel.\n\n| scene |",
             machine);
     for (size_t k = 0; k < count; k++) fprintf(to, " %s |", contenders[k]);
     fputs("\n|---|", to);

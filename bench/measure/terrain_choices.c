@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* FIELD/horizon and FIELD/sky: choices between speed and accuracy of horizons and of the sky-view factor, on land of 10 m cells.
- * Contenders are directions:N, coarser:FACTOR and distance:CELLS. Only strips of the land's rows are
- * computed. */
+ * Contenders are directions:N, coarser:FACTOR and distance:CELLS. Only strips of the land's rows count. */
 
 #include "harness/harness_memory.h"
 #include "harness/results.h"
 #include "measure/measure.h"
 #include "terrain.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -59,11 +59,10 @@ static bool parse(choice *c, const char *name, bool sky, io_error *error) {
     unsigned number = 0;
     *c = (choice){.sky = sky, .factor = 1};
     c->desc = (cw_horizon){.start = sky ? 0 : 11.25, .count = sky ? SKY_DEFAULT : ANGLES};
-    if (strcmp(name, "default") == 0 ||
-        (sky && sscanf(name, "directions:%u", &number) == 1 && number > 0 && (c->desc.count = number)) ||
-        (sscanf(name, "coarser:%u", &number) == 1 && number > 1 && number <= FACTOR_MAX && (c->factor = number)))
+    if (strcmp(name, "default") == 0 || (sky && contenders_number(name, "directions:", UINT_MAX, &c->desc.count)) ||
+        (contenders_number(name, "coarser:", FACTOR_MAX, &number) && number > 1 && (c->factor = number)))
         return true;
-    if (sscanf(name, "distance:%u", &number) != 1 || number == 0)
+    if (!contenders_number(name, "distance:", UINT_MAX, &number))
         return io_fail(
             error, "contender %s: horizons have default, coarser:FACTOR and distance:CELLS, the sky also directions:N",
             name);

@@ -190,20 +190,12 @@ static void restore_denormals(unsigned caller) { (void)caller; }
 
 /* RTCRayHit, RTCRayHit4, 8 and 16 as rows of 1, 4, 8 or 16 numbers. */
 enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR, MASK, ID, FLAGS };
-enum {
-    NG_X = FLAGS + 1,
-    NG_Y,
-    NG_Z,
-    HIT_U,
-    HIT_V,
-    PRIM_ID,
-    GEOM_ID,
-    INST_ID,
+enum { NG_X = FLAGS + 1, NG_Y, NG_Z, HIT_U, HIT_V, PRIM_ID, GEOM_ID, INST_ID };
 #ifdef RTC_GEOMETRY_INSTANCE_ARRAY
-    INST_PRIM_ID,
+enum { ROWS = INST_ID + 2 };
+#else
+enum { ROWS = INST_ID + 1 };
 #endif
-    ROWS
-};
 typedef union packet {
     struct RTCRayHit16 whole;
     float f[ROWS * 16];

@@ -109,6 +109,7 @@ def test_a_run_that_ends_early_leaves_what_it_has(tmp_path):
 def test_building_counts_bytes(tmp_path):
     _, lines = measure(tmp_path, "65/build default,default:threads=2 time\n")
     one, two = lines
+    assert measure(tmp_path, "scenes/hftest default:threads=2 time\n")[1][0]["by_clock"] and two["by_clock"] > one["by_clock"]
     assert one["bytes"] == two["bytes"] and 4 < one["bytes_a_cell"] < 10 and one["items"] == 64 * 64
 
 
@@ -123,10 +124,10 @@ def test_the_scenes_table(tmp_path):
     done = run("table", "--quick", "--width", "10", "--seconds", "100000", cwd=tmp_path)
     table = (tmp_path / "out/table/table.md").read_text()
     assert "| hftest |" in table and "grid3d" in table and "hftest" in done.stdout
+    row = run("table", "--quick", "--width", "1e-6", "--seconds", "4", cwd=tmp_path).stdout.split("| hftest |")[1]
+    assert "(not converged)" in row and re.search(r"\([\di]", row) is None  # no share of a time that has not converged
     lines = [json.loads(line) for line in (tmp_path / "out/table/table.jsonl").read_text().splitlines()]
-    for line in lines[1:]:
-        if "left_out" not in line:
-            assert line["agreement"]["why"]["other"] == 0
+    assert all(line["agreement"]["why"]["other"] == 0 for line in lines[1:] if "left_out" not in line)
 
 
 def test_a_raster_of_ones_own(tmp_path):
@@ -163,17 +164,16 @@ def test_every_plan_that_ships_is_understood(tmp_path):
 
 @pytest.mark.parametrize("plan, words", [
     ("65/primary default\n", "my.plan:1: a line is FIELD/WORK CONTENDERS METRICS"),
-    ("\n65/primary default speed\n", "my.plan:2: a line is"),
+    ("\n65/primary default speed\n", "my.plan:2: speed: no metric; these are time, agree"), ("65/primary default time avx3\n", "my.plan:1: avx3: no instruction set"),
+    ("65," * 99 + "65/primary default time\n", "my.plan:1: more than 255 characters of fields or of works"),
     ("65/primary default time\n65/nothing default time\n", "my.plan:2: 65/nothing: there is no such work"),
     ("65/primary default time\n\n65/primary nobody time\n", "my.plan:3: contender nobody: Contenders of rays: default"),
     ("65/primary embree:w3 time\n", "my.plan:1: contender embree:w3"),
     ("65/primary default time\nscenes/hftest coarser:2 time\n", "my.plan:2: coarser:2: scenes have no coarser fields"),
-    ("65/primary coarser:1 error\n", "contender coarser:1"),
-    ("65/primary default:call=0 time\n", "contender default:call=0"),
-    ("65/build cell time\n", "contender cell: what builds is"),
-    ("65/sky distance: error\n", "contender distance:"),
-    ("65/primary default time\nnowhere.tif/primary default time\n", "my.plan:2: nowhere.tif"),
-    ("# nothing\n", "has no line to measure"),
+    ("65/primary coarser:1 error\n", "contender coarser:1"), ("65/primary default:call=0 time\n", "contender default:call=0"), ("65/build cell time\n", "contender cell: what builds is"),
+    ("65/build default:call=3 time\n", "contender default:call=3: what builds is"), ("65/sky distance:-1 error\n", "contender distance:-1: horizons have"),
+    ("65/sky directions:16abc error\n", "contender directions:16abc: horizons have"),
+    ("65/primary default time\nnowhere.tif/primary default time\n", "my.plan:2: nowhere.tif"), ("# nothing\n", "has no line to measure"),
 ])
 def test_wrong_plans(tmp_path, plan, words):
     (tmp_path / "my.plan").write_text(plan)
@@ -196,8 +196,9 @@ def test_inputs_are_not_replaced(tmp_path, words, out):
         done = subprocess.run([BENCH, "measure", *words.split(), "-o", out, *WIDE], cwd=tmp_path, stdout=log, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 1 and f"{out}: is also " in done.stderr and before == {path: path.read_bytes() for path in before}
 
-def test_wrong_words():
-    assert "neither a file nor one that ships" in run("measure", "nothing", status=1).stderr
+def test_wrong_words(tmp_path):
+    (tmp_path / "nothing").mkdir()
+    assert "neither a file nor one that ships" in run("measure", "nothing", status=1, cwd=tmp_path).stderr
     assert "give a PLAN, or --field FILE" in run("measure", status=2).stderr
     limited = {**os.environ, "CELLWALK_ISA": "scalar"}
     assert "allows no more than scalar" in run("measure", "first", "--isa", "sse4.2", status=2, env=limited).stderr
