@@ -133,10 +133,9 @@ CW_INLINE void scan(group *g, const cw_crossing *from, const cw_crossing *end, b
 /* W samples of row j from column i on; those outside the row are 0, for what lies between rows may be another's. */
 static inline vfloat load_around(const cw_field *f, int32_t j, int32_t i) {
     const float *row = f->z + (size_t)j * f->stride;
-    const int32_t nx = (int32_t)f->nx;
-    if (i >= 0 && i + (int32_t)W <= nx) return vf_load(row + i);
+    if (i >= 0 && i + (int32_t)W <= (int32_t)f->nx) return vf_load(row + i);
     float z[W];
-    for (int32_t m = 0; m < (int32_t)W; m++) z[m] = i + m >= 0 && i + m < nx ? row[i + m] : 0;
+    for (int32_t m = 0; m < (int32_t)W; m++) z[m] = i + m >= 0 && i + m < (int32_t)f->nx ? row[i + m] : 0;
     return vf_load(z);
 }
 

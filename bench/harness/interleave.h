@@ -50,7 +50,7 @@ typedef struct interleave_job {
     bool ended; /* takes no part in later rounds */
     bool best;  /* of its group */
     bool
-        converged; /* the interval of the ratio to the first job is narrow enough; of the first one: there are enough passes */
+        converged; /* the interval of its ratio to the first job is narrow enough; of the first: enough passes were made */
 } interleave_job;
 
 typedef struct interleave_limits {

@@ -12,12 +12,13 @@
 #include <sys/mman.h>
 #endif
 
+enum { LARGE_LINE = 64, LARGE_PAGE = 1 << 21 };
+
 /* Begins at a cache line, a large array at a huge page; NULL when out of memory. To be freed by large_release, which is free()
  * everywhere but on Windows. */
 static inline void *large_allocate(size_t bytes) {
-    enum { CACHE_LINE = 64, HUGE_PAGE = 1 << 21 };
-    const bool large = bytes >= HUGE_PAGE;
-    const size_t alignment = large ? HUGE_PAGE : CACHE_LINE;
+    const bool large = bytes >= LARGE_PAGE;
+    const size_t alignment = large ? LARGE_PAGE : LARGE_LINE;
 #ifdef _WIN32
     return _aligned_malloc(bytes ? bytes : 1, alignment);
 #else
@@ -25,7 +26,7 @@ static inline void *large_allocate(size_t bytes) {
     if (posix_memalign(&memory, alignment, bytes ? bytes : 1) != 0) return NULL;
 #ifdef MADV_HUGEPAGE
     /* A wish, on which nothing depends; the last, partly used huge page is left to small ones. */
-    if (large) (void)madvise(memory, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+    if (large) (void)madvise(memory, bytes / LARGE_PAGE * LARGE_PAGE, MADV_HUGEPAGE);
 #endif
     return memory;
 #endif

@@ -19,9 +19,8 @@ static void own_release(void *context, void *memory) {
 const cw_allocator cw_memory_own = {.allocate = own_allocate, .release = own_release};
 
 void *cw_memory_allocate(const cw_allocator *from, size_t bytes) {
-    enum { CACHE_LINE = 64, HUGE_PAGE = 1 << 21 };
     const int cancel = cancel_disable();
-    void *memory = from->allocate(from->context, bytes ? bytes : 1, bytes >= HUGE_PAGE ? HUGE_PAGE : CACHE_LINE);
+    void *memory = from->allocate(from->context, bytes ? bytes : 1, bytes >= LARGE_PAGE ? LARGE_PAGE : LARGE_LINE);
     cancel_restore(cancel);
     return memory;
 }

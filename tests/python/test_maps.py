@@ -13,19 +13,14 @@ import cellwalk as cw
 from conftest import geotiff as write, tool
 
 MIDDLE, HALF = (600000.0, 5206000.0), 5000.0  # UTM zone 32, latitude 47
-MAPS = {
-    "utm": "EPSG:32632",
-    "mercator": "EPSG:3857",
-    "degrees": "EPSG:4326",
+MAPS = {"utm": "EPSG:32632", "mercator": "EPSG:3857", "degrees": "EPSG:4326",
     "plate": "EPSG:4087",  # a unit is another length along x than along y
-    "feet": "+proj=lcc +lat_1=46.5 +lat_2=47.5 +lat_0=46 +lon_0=10 +x_0=500000 +datum=NAD83 +units=us-ft +no_defs",
-}
+    "feet": "+proj=lcc +lat_1=46.5 +lat_2=47.5 +lat_0=46 +lon_0=10 +x_0=500000 +datum=NAD83 +units=us-ft +no_defs"}
 
 
 def height(east, north):
     """Wavelengths of 1.9 km and more: a grid of 30 m has it to 30² / 8 · 250 · (2 π / 1900)² = 0.3 m."""
-    return (900 + 250 * np.sin(2 * np.pi * east / 1900) * np.cos(2 * np.pi * north / 2300)
-            + 120 * np.cos(2 * np.pi * (east + north) / 3100))
+    return (900 + 250 * np.sin(2 * np.pi * east / 1900) * np.cos(2 * np.pi * north / 2300) + 120 * np.cos(2 * np.pi * (east + north) / 3100))
 
 
 def to_space(longitude, latitude):
@@ -68,13 +63,9 @@ def at_places(field, values, places, crs):
 
 # With the metre of the map, Mercator had 0.18 less in the shadow, 0.05 more sky, 1 h more sun, a third more ground in sight. Eyes see
 # more or less as they stand a cell beside their place, so that only the mean can be compared.
-PRODUCTS = {
-    "shadow": (lambda f: f.shadow(time="2024-12-21T09:30:00Z"), 0.02, 0.005),
-    "sky": (lambda f: f.sky_view(16, 2500), 0.003, 0.001),
-    "openness": (lambda f: f.openness(16, 1500), 0.4, 0.1),
-    "sun": (lambda f: f.insolation("2024-12-21", step="1h"), 0.15, 0.04),
-    "area": (lambda f: f.visibility(32, 1500), 0.3, 0.03),
-    "share": (lambda f: f.visibility(16, 1500, result="share"), 0.05, 0.005),
+PRODUCTS = {"shadow": (lambda f: f.shadow(time="2024-12-21T09:30:00Z"), 0.02, 0.005), "sky": (lambda f: f.sky_view(16, 2500), 0.003, 0.001),
+    "openness": (lambda f: f.openness(16, 1500), 0.4, 0.1), "sun": (lambda f: f.insolation("2024-12-21", step="1h"), 0.15, 0.04),
+    "area": (lambda f: f.visibility(32, 1500), 0.3, 0.03), "share": (lambda f: f.visibility(16, 1500, result="share"), 0.05, 0.005),
     "longest": (lambda f: f.visibility(16, 1500, result="longest"), 60, 10)}
 
 
@@ -163,8 +154,7 @@ def test_a_scale_that_changes_fast(maps):
 @pytest.mark.parametrize("crs, affine, words", [
     ("+proj=sinu +lon_0=0 +datum=WGS84", Affine(100, 0, 8e5, 0, -100, 5.2e6), "distances differ by direction by up to"),
     ("+proj=tmerc +lon_0=10 +datum=WGS84", Affine(30000, 0, -1.2e6, 0, -30000, 6.2e6), "from that of the row's middle"),
-    ("+proj=ortho +lon_0=0 +datum=WGS84", Affine(100, 0, 3e7, 0, -100, 5.2e6), "is on the ground is not known"),
-])
+    ("+proj=ortho +lon_0=0 +datum=WGS84", Affine(100, 0, 3e7, 0, -100, 5.2e6), "is on the ground is not known")])
 def test_what_a_scale_leaves_out_is_said(crs, affine, words):
     path = write("dem.tif", np.zeros((80, 80), "float32"), crs, affine)
     said = run("shadow", path, "--sun", "200,30", "-o", "o.tif").err
@@ -209,8 +199,7 @@ TILE[:, :14] = 0
 STATE = (100, 0, 1.6e6, 0, -100, 4e5), MAPS["feet"]
 
 
-@pytest.mark.parametrize("z, place, units, words, silent", [
-    (HILLS, (DEGREES, None), None, "looks like degrees", {}),
+@pytest.mark.parametrize("z, place, units, words, silent", [(HILLS, (DEGREES, None), None, "looks like degrees", {}),
     (np.where(HILLS > 3, HILLS, -9999), (METRES, MAPS["utm"]), "metre", "3 samples are -9999", {"nodata": -9999}),
     (HILLS + 1e9, (METRES, MAPS["utm"]), "metre", "heights are floats, and those up to 1e+09 are rounded to multiples of 64", {}),
     (HILLS, STATE, None, "heights taken as US survey ft, as x and y;", {"zscale": 3.2808}),

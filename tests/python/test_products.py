@@ -133,11 +133,9 @@ EXCUSED = {
     "quiet": "progress= is the only thing that is told", "help": "help(cellwalk)",
     "band": "cellwalk.open(band=)", "nodata": "cellwalk.open(nodata=)", "zscale": "cellwalk.open(zscale=)",
     "cellsize": "cellwalk.open(cellsize=)", "allow-network": "GDAL's own settings rule in Python (SECURITY.md)",
-    "isa": "the variable CELLWALK_ISA, of which no bit depends",
-    "coarser": "Field.coarser(factor)", "filter": "Field.coarser(filter=)",
+    "isa": "the variable CELLWALK_ISA, of which no bit depends", "coarser": "Field.coarser(factor)", "filter": "Field.coarser(filter=)",
     "threads": "Field(threads=)", "window": "results are arrays that are cut; cellwalk.open(window=) reads a part",
-    "memory": "cellwalk.dask", "places": "arrays of places",
-}
+    "memory": "cellwalk.dask", "places": "arrays of places"}
 
 
 def long_options(text):

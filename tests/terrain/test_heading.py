@@ -39,6 +39,16 @@ class Headings:
         return found.reshape(self.z.shape)
 
 
+def between_gaps(library, z):
+    """A field whose rows are the caller's and end where memory ends: no answer may need more."""
+    (ny, nx), page = z.shape, 2 * PAGESIZE
+    at = library.number("pages", page * ny) + PAGESIZE - 4 * nx
+    for j in range(ny):
+        library.call("poke", at + page * j, z[j].astype("f4"))
+        assert library.number("forbid", at + page * j + 4 * nx, PAGESIZE) == 0
+    return library.field(z, stride=page // 4, storage=1, samples=at)
+
+
 def brute(z, i, j, dx, dy, reach=0, drop=0):
     """The steepest rises from samples, and what they may be off by: 2^-21 of the steeper of the rises to an edge's samples."""
     t, edges, f = crossings(dx, dy, sum(z.shape))
@@ -93,24 +103,6 @@ def test_walls_on_the_border_count(library, nx):
             check_samples(land.z, land.steepest(heading), np.arange(0, 30 * nx, 16), dir)
 
 
-def test_nothing_is_read_between_rows(library):
-    """Rows of a field that borrows end where memory ends."""
-    nx, ny = PAGESIZE // 4, 24
-    copied, borrowed = (Headings(library, lakes(nx, ny, 0)) for _ in range(2))
-    at = library.number("pages", 2 * PAGESIZE * ny)
-    for j, row in enumerate(copied.z):
-        library.call("poke", at + 2 * PAGESIZE * j, row)
-        assert library.number("forbid", at + PAGESIZE * (2 * j + 1), PAGESIZE) == 0
-    borrowed.field = library.field(copied.z, stride=2 * nx, storage=1, samples=at)
-    for angle in taken(np.arange(0.2, 6.2, 0.3), 4):
-        dir = np.cos(angle), np.sin(angle)
-        with copied.along(dir) as one, borrowed.along(dir) as other:
-            for isa in range(1, 6):
-                run = library.run(isa=isa)
-                if library.asked("cw_run_check", None, run)[0] == 0:
-                    assert borrowed.steepest(other, run=run).tobytes() == copied.steepest(one).tobytes()
-
-
 @pytest.mark.parametrize("nx, ny", [(255, 256), (1000, 60), (230, 150)])
 def test_stretches_are_passed_over_rightly(library, nx, ny):
     z = lakes(nx, ny, 0)
@@ -136,6 +128,7 @@ def test_bits_are_the_same(library, first, ends):
     nx, ny, r, z = 203, 187, np.random.default_rng(99 + first), lakes(203, 187, 0)
     z.flat[r.choice(z.size, 300)] = np.nan
     land, pool = Headings(library, z), library.pool(3)
+    land.field = between_gaps(library, z)
     for number in range(24):
         dir, wanted = direction(r, number), None
         if not takes(first + number, 16):

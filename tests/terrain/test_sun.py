@@ -47,8 +47,7 @@ def slopes(z):
 @pytest.mark.parametrize("minutes", [1, 15])
 @pytest.mark.parametrize("midnight, longitude, latitude, declination, day", [
     ("2024-06-21T00:00:00Z", -0.1257, 51.5085, 23.44, 16 + 38 / 60),  # London, longest and shortest day; Quito at the equinox
-    ("2024-12-21T00:00:00Z", -0.1257, 51.5085, -23.44, 7 + 50 / 60),
-    ("2024-03-20T05:00:00Z", -78.52, -0.23, 0, 12 + 7 / 60)])
+    ("2024-12-21T00:00:00Z", -0.1257, 51.5085, -23.44, 7 + 50 / 60), ("2024-03-20T05:00:00Z", -78.52, -0.23, 0, 12 + 7 / 60)])
 def test_a_day_of_an_almanac(lands, midnight, longitude, latitude, declination, day, minutes):
     """Level ground is lit from sunrise to sunset. The almanac's are those of the sun's upper rim, with a refraction of 34 minutes
     of arc; ours of its middle, a radius of 16 minutes higher: later and earlier by that over the speed at which the sun rises, 15
@@ -95,11 +94,9 @@ def test_sums_of_shadows(lands, directions):
 def test_light_by_hand(lands):
     """From the published formulas with a calculator of 30 digits: linke, astronomical units, altitude with refraction, height; air
     mass, direct light; diffuse light."""
-    rows = np.array([[3, 1, 30, 0, 1.99429285253, 800.918095209, 89.7986187764],
-                     [2, 0.9833, 5.5, 2000, 7.51081678533, 605.462573656, 22.3460018542],
+    rows = np.array([[3, 1, 30, 0, 1.99429285253, 800.918095209, 89.7986187764], [2, 0.9833, 5.5, 2000, 7.51081678533, 605.462573656, 22.3460018542],
                      [4.5, 1.0167, 62.3, 350, 1.08291796033, 799.776038047, 168.460596838],
-                     [6.8, 1, 1.5, 0, 22.4415126997, 9.34406617092, 15.2675348468],
-                     [3, 1, 0.4, 4000, 20.2446973911, 165.775115119, 13.2132600102]])
+                     [6.8, 1, 1.5, 0, 22.4415126997, 9.34406617092, 15.2675348468], [3, 1, 0.4, 4000, 20.2446973911, 165.775115119, 13.2132600102]])
     np.testing.assert_allclose(lands.table("skies", rows[:, :4]), rows[:, 4:], rtol=1e-9)
     assert (lands.table("skies", [[3, 1, 0, 0], [3, 1, -5, 0]])[:, 1] == 0).all() and lands.table("skies", [[3, 1, -0.01, 0]])[0, 2] == 0
 

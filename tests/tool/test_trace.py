@@ -58,8 +58,7 @@ def test_what_is_said_of_rays():
     rays("lost.npy", (600010, 5200010, 100))
     for words, status, said in [
             (("far.npy", "--user", "-o", "h.npy"), 0, "no ray hits the field, which lies at x 600005 to 600015"),
-            (("above.npy", "--user", "-o", "h.npy"), 0, "no ray hits"),
-            (("lost.npy", "-o", "h.npy"), 0, "--user takes them so")]:
+            (("above.npy", "--user", "-o", "h.npy"), 0, "no ray hits"), (("lost.npy", "-o", "h.npy"), 0, "--user takes them so")]:
         done = run("trace", "a.asc", *words)
         assert done.status == status and said in done.err, words
     traced("a.asc", "near.npy", "--user")
