@@ -130,12 +130,14 @@ CW_INLINE void scan(group *g, const cw_crossing *from, const cw_crossing *end, b
     }
 }
 
-/* W samples of row j from column i on; those outside the row are 0, for what lies between rows may be another's. */
+/* W samples of row j from column i on, and any numbers outside the row. Gaps between rows are others', and are not read. */
 static inline vfloat load_around(const cw_field *f, int32_t j, int32_t i) {
+    const ptrdiff_t gaps = (ptrdiff_t)(f->stride - f->nx), nx = (ptrdiff_t)f->nx,
+                    end = gaps ? nx : nx * ((ptrdiff_t)f->ny - j);
     const float *row = f->z + (size_t)j * f->stride;
-    if (i >= 0 && i + (int32_t)W <= (int32_t)f->nx) return vf_load(row + i);
+    if (i >= (gaps ? 0 : -j * nx) && i + (ptrdiff_t)W <= end) return vf_load(row + i);
     float z[W];
-    for (int32_t m = 0; m < (int32_t)W; m++) z[m] = i + m >= 0 && i + m < (int32_t)f->nx ? row[i + m] : 0;
+    for (int32_t m = 0; m < (int32_t)W; m++) z[m] = i + m >= 0 && i + m < nx ? row[i + m] : 0;
     return vf_load(z);
 }
 

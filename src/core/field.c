@@ -170,10 +170,9 @@ cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, cw_field
     *field = NULL;
     if (desc == NULL) return cw_fail(CW_ERROR_ARGUMENT, "desc: NULL");
     cw_run how;
-    cw_status status = begin(run, &how);
-    if (status != CW_OK) return status;
     FPENV_HERE;
-    return create(desc, &how, field);
+    const cw_status status = begin(run, &how);
+    return status == CW_OK ? create(desc, &how, field) : status;
 }
 
 bool cw_field_enter(const cw_field *field, door_pass *pass) {

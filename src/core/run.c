@@ -151,9 +151,8 @@ cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw
 }
 
 static void work_on_batch(void *context, size_t begin, size_t end) {
-    cw_batch *b = context;
     FPENV_HERE;
-    b->work(b, begin, end);
+    ((cw_batch *)context)->work(context, begin, end);
 }
 
 cw_status cw_run_batch(const cw_batch *batch, const cw_run *run, size_t n) {
