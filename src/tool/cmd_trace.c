@@ -9,6 +9,7 @@
 #include "inputs.h"
 #include "json.h"
 #include "npy.h"
+#include "raster_out.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -125,9 +126,7 @@ static bool prepare(trace *t, const char *rays, io_error *error) {
     const field_options *f = &t->options;
     if (!raster_field_open(&t->field, t->path, &f->reading, &f->coarser, &f->query, &f->watch, error)) return false;
     if (t->user && t->field.raster.georef.geographic)
-        command_warn("trace",
-                     "%s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp -t_srs EPSG:... "
-                     "puts it on a map in metres",
+        command_warn("trace", "%s: rays are straight in degrees, which its map is in; gdalwarp -t_srs makes metres",
                      t->path);
     t->query->expert.kernel = cw_run_kernel(t->field.field, t->query);
     return true;
@@ -218,6 +217,8 @@ static bool check(const trace *t) {
         return command_refuse("trace", "standard output cannot take both the hits and the text of --json");
     if (to_stdout && isatty(STDOUT_FILENO))
         return command_refuse("trace", "standard output is a terminal, and hits are no text: give -o HITS.npy");
+    if (t->hits && io_raster_is_name(t->hits) && !io_name_ends(t->hits, ".npy"))
+        return command_refuse("trace", "%s: is a raster's name, and hits are a NumPy array; give -o HITS.npy", t->hits);
     return true;
 }
 

@@ -25,7 +25,7 @@ LINES = r"""
 2 | scalar, sse4.2, avx2, avx512 | trace wall.npy rays.npy --json --isa avx
 2 | from 1 to 1048576, not ' | trace wall.npy rays.npy --json --band {0;1048577}
 2 | --threads takes | trace wall.npy rays.npy --json --threads {-1;1.5;4x;99999999999999999999}
-2 | standard output cannot take both | trace wall.npy rays.npy -o {-;/dev/stdout} --json
+2 | {standard output cannot take both;standard output cannot take both;no.tif: is a raster's name, and hits} | trace wall.npy rays.npy -o {-;/dev/stdout;no.tif} --json
 2 | {--occluded finds no hit;go into HITS.npy} | trace wall.npy rays.npy {--occluded --points -o no.npy;--json --normals}
 2 | --leaf: brute does not have the leaf test watertight | trace wall.npy rays.npy --json --kernel brute --leaf watertight
 2 | CELLWALK_ISA '{sse;}' is unknown; {did you mean sse4.2? T;t}here are scalar, | ISA={sse;} trace wall.npy rays.npy -o no.npy

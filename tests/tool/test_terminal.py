@@ -35,17 +35,14 @@ def inputs(folder):
     z = np.array([[0, 1, 2], [3, 9, 3], [2, 1, 0]], np.float32)
     np.save("z.npy", z)
     rays("rays.npy", (1.3, 1.5, 1e4))
-    for name, text in {
-            HOSTILE + b".npy": open("z.npy", "rb").read(),
-            HOSTILE + b".asc": b"ncols 3\nnrows 3\ncellsize 1\n0 1 2\n3 9 3\n2 1 0\n",
+    for name, text in {HOSTILE + b".npy": open("z.npy", "rb").read(), HOSTILE + b".asc": b"ncols 3\nnrows 3\ncellsize 1\n0 1 2\n3 9 3\n2 1 0\n",
             b"word.asc": b"ncols 3\nnrows 3\ncellsize 1\n0 1 2\n3 " + HOSTILE + b"x\n",
             b"word.npy": b"\x93NUMPY\1\0\x40\0{'descr': '" + HOSTILE + b"', 'fortran_order': False, 'shape': (3, 3), }\n",
             HOSTILE + b".pbrt": b'Shape "' + HOSTILE + b'" "float ' + HOSTILE + b'" [0]\n' + HOSTILE + b"\n",
             b"crs.vrt": vrt(LOCAL, HOSTILE + b".asc"), b"source.vrt": vrt(LOCAL, b"no" + HOSTILE + b".tif"),
             b"url.vrt": vrt(b"", b"NETCDF:&quot;http://nowhere.invalid/" + HOSTILE + b"&quot;:" + HOSTILE),
             HOSTILE + b".h5": b"\211HDF\r\n\32\n\2\10\10\0" + 3 * HOSTILE, HOSTILE + b".nc": b"CDF\1\0\0\0\0" + 2 * HOSTILE,
-            b"o.csv": b"x,y," + HOSTILE + b"\n1," + HOSTILE + b",2\n",
-            HOSTILE + b".csv": b"x,y,height,name\n1,1,2," + HOSTILE + b"\n99,99,2,b\n",
+            b"o.csv": b"x,y," + HOSTILE + b"\n1," + HOSTILE + b",2\n", HOSTILE + b".csv": b"x,y,height,name\n1,1,2," + HOSTILE + b"\n99,99,2,b\n",
             HOSTILE + b".geojson": b'{"type":"FeatureCollection","features":[{"type":"Feature","geometry":null,' + HOSTILE}.items():
         write(os.fsdecode(name), text)
 

@@ -152,5 +152,6 @@ def test_creation_options():
     for option, magic in ("BIGTIFF=YES", 43), ("BIGTIFF=NO", 42):
         well(*words, option, "--co", "compress=LZW", "-o", "s.tif")
         assert read("s.tif")[2] == magic
-    for why, *more in ("creation option FOO", "FOO=1"), ("--co takes NAME=VALUE, not 'BIGTIFF'", "BIGTIFF"), ("creation option TILED", "TILED=NO", "--cog"):
+    lossy = [("or leave a second file", option) for option in ("tfw=yes", "NBITS=1", "COMPRESS=JPEG")]
+    for why, *more in *lossy, ("creation option FOO", "FOO=1"), ("--co takes NAME=VALUE, not 'BIGTIFF'", "BIGTIFF"), ("creation option TILED", "TILED=NO", "--cog"):
         refused(1, why, *words, *more, "-o", "no.tif")

@@ -95,8 +95,7 @@ static void smell_degrees(const char *path, const io_raster_options *options, co
     if (g->placed && g->crs == NULL && dx > 0 && dx < 0.1 && fabs(x) <= 360 && fabs(y) <= 90)
         io_warn(&options->warn,
                 "%s: samples are %g apart around (%g, %g), which looks like degrees, but the file names no coordinate "
-                "system;"
-                " heights are taken in the same unit",
+                "system; heights are taken in the same unit",
                 path, dx, x, y);
 }
 

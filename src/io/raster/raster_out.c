@@ -118,9 +118,7 @@ bool io_raster_is_png(const char *path) { return sink_of(path) == &sinks[PNG]; }
 bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
     const struct io_raster_sink *sink = sink_of(path);
     if (sink == NULL)
-        return io_fail(error,
-                       "%s: the name's ending tells no format; known are .tif (GeoTIFF), .npy (NumPy array), .png"
-                       " (picture)",
+        return io_fail(error, "%s: the name's ending tells no format; there are .tif (GeoTIFF), .npy (NumPy) and .png",
                        path);
     if (sink->bands_most > 0 && bands > sink->bands_most)
         return io_fail(error, "%s: a %s has no room for %zu bands; .tif and .npy have", path, sink->what, bands);

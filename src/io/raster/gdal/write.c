@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GeoTIFF: tiles, compressed, a band after the other. GDAL makes a COG only as a copy of another raster, since its smaller
- * copies come first in the file: then the GeoTIFF goes to another file, and finish makes the copy. */
+/* GeoTIFF: tiles, compressed, a band after the other. In a COG smaller copies come first: it is a copy that finish makes of another file. */
 
 #include "parts.h"
 
@@ -29,8 +28,14 @@ bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io
     GDAL_CALL;
     const char *kind = cog ? "--co with --cog" : "--co";
     if (driver_of(cog) == NULL) return io_fail(error, "--cog: GDAL was built without its driver COG");
-    for (size_t k = 0; k < count; k++)
+    for (size_t k = 0; k < count; k++) {
         if (strchr(creation[k], '=') == NULL) return io_fail(error, "%s takes NAME=VALUE, not '%s'", kind, creation[k]);
+        /* A world file would have the temporary file's name; codes and counts are no colours. */
+        static const char *const refused[] = {"TFW=", "WORLDFILE=", "NBITS=", "COMPRESS=JPEG", "COMPRESS=WEBP"};
+        for (size_t r = 0; r < sizeof refused / sizeof *refused; r++)
+            if (strncasecmp(creation[k], refused[r], strlen(refused[r])) == 0)
+                return io_fail(error, "%s %s: it would change values, or leave a second file", kind, creation[k]);
+    }
     char **list = list_of(creation, count);
     CPLErrorReset();
     /* GDAL itself only warns, and writes a file of another kind than the user wanted. */
@@ -87,8 +92,7 @@ static char **limit_threads(char **options) {
  * copied from has none of the user's. BIGTIFF goes by the size before compression, which is larger as a rule: 2 GB of 4 are enough for what
  * is added then. */
 static char **make_options(const io_raster_product *p, bool cog) {
-    /* By the kind of cell. Flags and small counts come in long runs, which PackBits takes in next to no time. Floats get hardly
-     * smaller by higher levels of Deflate, but take three times as long. */
+    /* By the kind of cell. Flags and counts come in long runs, for PackBits. Higher levels of Deflate take floats three times as long. */
     static const char *const usual[] = {"COMPRESS=PACKBITS", "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=2",
                                         "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=3",
                                         "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=2"};
@@ -137,14 +141,13 @@ static bool describe(GDALDatasetH file, const io_raster_product *p) {
     for (size_t k = 0; p->notes != NULL && p->notes[k] != NULL; k++) notes = CSLAddString(notes, p->notes[k]);
     const bool noted = notes == NULL || GDALSetMetadata(file, notes, NULL) == CE_None;
     CSLDestroy(notes);
-    if (!noted) return false;
-    for (size_t b = 0; b < p->bands; b++) {
+    for (size_t b = 0; b < p->bands && noted; b++) {
         GDALRasterBandH band = GDALGetRasterBand(file, (int)b + 1);
         if (p->has_nodata && GDALSetRasterNoDataValue(band, p->nodata) != CE_None) return false;
         if (p->band_names != NULL) GDALSetDescription(band, p->band_names[b]);
         if (p->unit != NULL && GDALSetRasterUnitType(band, p->unit) != CE_None) return false;
     }
-    return true;
+    return noted;
 }
 
 bool gdal_create(io_raster_writer *w, const char *path, io_error *error) {
@@ -164,10 +167,9 @@ bool gdal_write(io_raster_writer *w, size_t band, const io_raster_window *at, co
     GDAL_CALL;
     CPLErrorReset();
     GDALRasterBandH to = GDALGetRasterBand(w->state, (int)band + 1);
-    /* It takes a pointer that is not const for reading and writing alike. */
-    const CPLErr status =
-        GDALRasterIO(to, GF_Write, (int)at->i, (int)at->j, (int)at->nx, (int)at->ny, (void *)(uintptr_t)cells,
-                     (int)at->nx, (int)at->ny, types[w->product.cell], 0, 0);
+    const int nx = (int)at->nx, ny = (int)at->ny;
+    const CPLErr status = GDALRasterIO(to, GF_Write, (int)at->i, (int)at->j, nx, ny, (void *)(uintptr_t)cells, nx, ny,
+                                       types[w->product.cell], 0, 0);
     /* Whole tiles go to the threads that compress, while the next ones are computed. */
     const size_t end = at->j + at->ny;
     const bool whole = end % io_raster_tile_side(w->product.ny) == 0 || end == w->product.ny;
