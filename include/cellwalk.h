@@ -24,7 +24,7 @@
  * checked: no argument may be NULL. Arrays may be NULL if nothing is in them: for n = 0 and for an empty rectangle.
  *
  * Floating point. Calls compute in the IEEE default environment (round to nearest, denormals kept) and restore the caller's.
- * Callbacks have the one or the other.
+ * Callbacks run in either of the two.
  *
  * Growing. This header and the library keep source and binary compatibility within a major version. Enumerations are int32_t, and
  * their numbers are never used again. Structs that the caller fills end in reserved members, which must be zero: later versions
@@ -191,7 +191,7 @@ typedef struct cw_field_desc {
 
 /* Makes a field, which the caller owns, with the bounds that kernels walk on: less than 2 bytes a cell, but for small or narrow
  * fields, and 2 KiB. It has the same bits for any pool. On failure *field is NULL: CW_ERROR_ARGUMENT, _SAMPLE, _MEMORY, _CANCELLED,
- * and _KERNEL for one of cellwalk_expert.h that does not exist. */
+ * or _KERNEL if run->expert names a kernel that does not exist. */
 CW_API cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, cw_field **field);
 /* NULL is allowed. Nothing may be running on the field. */
 CW_API void cw_field_destroy(cw_field *field);
@@ -204,8 +204,8 @@ typedef struct cw_rectangle {
 
 typedef struct cw_update {
     cw_rectangle at; /* may be empty */
-    /* The new samples, (at.i + x, at.j + y) at samples[y * stride + x], which are not the field's own. NULL for a field that borrows:
-     * its caller has changed them already. */
+    /* The new samples, (at.i + x, at.j + y) at samples[y * stride + x]; not in the field's own memory. NULL for a field that
+     * borrows: its caller has changed them already. */
     const float *samples;
     size_t stride;        /* floats from one row to the next; 0: at.nx */
     uint32_t wait;        /* 1: wait while queries or updates run; 0: fail with CW_ERROR_BUSY */
@@ -214,7 +214,7 @@ typedef struct cw_update {
 } cw_update;
 
 /* Changes samples. Afterwards the field has the same bits as one made of the new samples. The time grows with the rectangle,
- * and by some microseconds with the field. Does not allocate. Only run's pool is used: an update is not cancelled.
+ * and hardly with the field. Does not allocate. Only run's pool is used: an update is not cancelled.
  * CW_ERROR_SAMPLE: a sample is refused, and the field does not change; if it borrows, put other samples there and
  * call this again before the next query. CW_ERROR_BUSY: a query or another update is running on the field, and wait is 0. Functions
  * without a status are not checked for that.
@@ -326,16 +326,16 @@ CW_API cw_status cw_occluded_user(const cw_field *field, const cw_run *run, cons
 /* ---- places, points and normals ---------------------------------------------------------------------------------- */
 
 /* The places on the surface at n pairs of field coordinates x, y, as hits with t = 0. A miss outside the field, in a
- * triangle with a hole at a vertex, and for NaN. A place between cells counts to that of the larger numbers, one on a diagonal to
- * CW_TRIANGLE_A. Fails like cw_closest. */
+ * triangle with a hole at a vertex, and for NaN. A place on the border of two cells lies in the one of greater i or j, and one on a
+ * diagonal in CW_TRIANGLE_A. Fails like cw_closest. */
 CW_API cw_status cw_surface_at(const cw_field *field, const cw_run *run, const double *xy, size_t n, cw_hit *hits);
 /* The same above or below n points x, y, z in user space, along the field's own up, which is the map's third column:
  * (x, y, any number) where that is (0, 0, 1), (x, any number, z) in a world whose y is up. */
 CW_API cw_status cw_surface_at_user(const cw_field *field, const cw_run *run, const double *xyz, size_t n,
                                     cw_hit *hits);
 
-/* For each of n hits on this field, three doubles in user space: NaN for a miss and for a triangle that the field does not have. Fail
- * like cw_closest. */
+/* For each of n hits on this field, three doubles in user space: NaN for a miss and for a triangle that the field does not have.
+ * Fail like cw_closest. */
 
 /* The point on the triangle, from i, j, triangle, u and v. It lies on the surface to rounding, unlike org + t · dir. */
 CW_API cw_status cw_hit_points(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *points);

@@ -116,9 +116,9 @@ CW_API void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work,
  * starts exactly on the surface at its sample and meets everything beyond it, so no ray has to be lifted off the
  * ground. This is faster than a query with one ray for each sample.
  *
- * A heading is a direction (dir[0], dir[1]) in field coordinates, prepared for one field: 40 to 91 bytes per cell
- * along the longest ray. From sample (i, j) with height z, the surface at (i + t dir[0], j + t dir[1]) rises by (height -
- * z) / t, t > 0. The steepest rise is at a triangle's edge, so only edges are examined. An edge counts if neither of
+ * A heading is a direction (dir[0], dir[1]) in field coordinates, prepared for one field: it keeps the 2 to 4
+ * edges that a ray crosses per cell, as far as the longest ray goes, in some 20 bytes each. From sample (i, j) with height z,
+ * the surface at (i + t dir[0], j + t dir[1]) rises by (height - z) / t, t > 0. The steepest rise is at a triangle's edge, so only edges are examined. An edge counts if neither of
  * its samples is a hole, even if both triangles beside it have a hole. */
 typedef struct cw_heading cw_heading;
 

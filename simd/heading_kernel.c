@@ -130,7 +130,7 @@ CW_INLINE void scan(group *g, const cw_crossing *from, const cw_crossing *end, b
     }
 }
 
-/* W samples of row j from column i on, and any numbers outside the row. Gaps between rows are others', and are not read. */
+/* W samples of row j from column i on, and any numbers outside the row. Gaps between rows belong to others and are not read. */
 static inline vfloat load_around(const cw_field *f, int32_t j, int32_t i) {
     const ptrdiff_t gaps = (ptrdiff_t)(f->stride - f->nx), nx = (ptrdiff_t)f->nx,
                     end = gaps ? nx : nx * ((ptrdiff_t)f->ny - j);

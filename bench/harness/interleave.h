@@ -47,10 +47,9 @@ typedef struct interleave_job {
     unsigned runs;
     double times[INTERLEAVE_MOST];
     statistics seconds;
-    bool ended; /* takes no part in later rounds */
-    bool best;  /* of its group */
-    bool
-        converged; /* the interval of its ratio to the first job is narrow enough; of the first: enough passes were made */
+    bool ended;     /* takes no part in later rounds */
+    bool best;      /* of its group */
+    bool converged; /* its ratio to the first job has a narrow interval; the first job: it had enough passes */
 } interleave_job;
 
 typedef struct interleave_limits {

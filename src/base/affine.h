@@ -41,7 +41,7 @@ static inline void affine_point_back(const double inverse[3][4], const double p[
 
 /* The inverse of the linear part, with the translation of m itself beside it. False if m is not finite or singular: once
  * the rows are scaled to unit size, so that neither kilometres nor nanometres count as singular, the determinant is no more than
- * the roundings of its terms. */
+ * what rounding makes of its terms: 8 roundings by 2^-53 each, of three entries, two products, a difference and two sums. */
 static inline bool affine_invert(const double m[3][4], double out[3][4]) {
     double scale[3], a[3][3];
     for (int r = 0; r < 3; r++) {

@@ -12,7 +12,7 @@
 #include <sys/mman.h>
 #endif
 
-enum { LARGE_LINE = 64, LARGE_PAGE = 1 << 21 };
+enum { LARGE_LINE = 64, LARGE_PAGE = 1 << 21 }; /* bytes of a cache line and of a huge page */
 
 /* Begins at a cache line, a large array at a huge page; NULL when out of memory. To be freed by large_release, which is free()
  * everywhere but on Windows. */

@@ -21,7 +21,7 @@ static void slopes(const cw_field *f, size_t i, size_t j, uint32_t triangle, dou
     slope[1] = a ? h11 - third : third - h00;
 }
 
-/* Of v, or of a vector whose squares would vanish, once it was made longer. */
+/* The length of v. If its squares would underflow, v is multiplied by 2^600 first. */
 static double length(double v[3]) {
     const double size = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     if (!(size < 0x1p-500)) return size;

@@ -182,7 +182,8 @@ def test_each_process_removes_its_own(files):
     assert read("a") == b"text" and entries() == ["a"]
 
 
-@pytest.mark.parametrize("given, shown", [("café € 🏔", "café € 🏔"), ("a\x1b[2Jb\x7f\n", "a?[2Jb??"), (b"a\xc2\x9bb", "a??b"),
+@pytest.mark.parametrize("given, shown", [
+    ("café € 🏔", "café € 🏔"), ("a\x1b[2Jb\x7f\n", "a?[2Jb??"), (b"a\xc2\x9bb", "a??b"),
     (b"a\x9b31m", "a?31m"),  # alone
     ("exe\u202etxt.npy", "exe???txt.npy"), ("\u2066x\u200f", "???x???"),
     (b"\xe2\x80", "??"),  # cut off

@@ -14,8 +14,8 @@ from conftest import geotiff as write, tool
 
 MIDDLE, HALF = (600000.0, 5206000.0), 5000.0  # UTM zone 32, latitude 47
 MAPS = {"utm": "EPSG:32632", "mercator": "EPSG:3857", "degrees": "EPSG:4326",
-    "plate": "EPSG:4087",  # a unit is another length along x than along y
-    "feet": "+proj=lcc +lat_1=46.5 +lat_2=47.5 +lat_0=46 +lon_0=10 +x_0=500000 +datum=NAD83 +units=us-ft +no_defs"}
+        "plate": "EPSG:4087",  # a unit is another length along x than along y
+        "feet": "+proj=lcc +lat_1=46.5 +lat_2=47.5 +lat_0=46 +lon_0=10 +x_0=500000 +datum=NAD83 +units=us-ft +no_defs"}
 
 
 def height(east, north):
@@ -64,9 +64,9 @@ def at_places(field, values, places, crs):
 # With the metre of the map, Mercator had 0.18 less in the shadow, 0.05 more sky, 1 h more sun, a third more ground in sight. Eyes see
 # more or less as they stand a cell beside their place, so that only the mean can be compared.
 PRODUCTS = {"shadow": (lambda f: f.shadow(time="2024-12-21T09:30:00Z"), 0.02, 0.005), "sky": (lambda f: f.sky_view(16, 2500), 0.003, 0.001),
-    "openness": (lambda f: f.openness(16, 1500), 0.4, 0.1), "sun": (lambda f: f.insolation("2024-12-21", step="1h"), 0.15, 0.04),
-    "area": (lambda f: f.visibility(32, 1500), 0.3, 0.03), "share": (lambda f: f.visibility(16, 1500, result="share"), 0.05, 0.005),
-    "longest": (lambda f: f.visibility(16, 1500, result="longest"), 60, 10)}
+            "openness": (lambda f: f.openness(16, 1500), 0.4, 0.1), "sun": (lambda f: f.insolation("2024-12-21", step="1h"), 0.15, 0.04),
+            "area": (lambda f: f.visibility(32, 1500), 0.3, 0.03), "share": (lambda f: f.visibility(16, 1500, result="share"), 0.05, 0.005),
+            "longest": (lambda f: f.visibility(16, 1500, result="longest"), 60, 10)}
 
 
 @pytest.mark.parametrize("product", PRODUCTS)
@@ -199,7 +199,8 @@ TILE[:, :14] = 0
 STATE = (100, 0, 1.6e6, 0, -100, 4e5), MAPS["feet"]
 
 
-@pytest.mark.parametrize("z, place, units, words, silent", [(HILLS, (DEGREES, None), None, "looks like degrees", {}),
+@pytest.mark.parametrize("z, place, units, words, silent", [
+    (HILLS, (DEGREES, None), None, "looks like degrees", {}),
     (np.where(HILLS > 3, HILLS, -9999), (METRES, MAPS["utm"]), "metre", "3 samples are -9999", {"nodata": -9999}),
     (HILLS + 1e9, (METRES, MAPS["utm"]), "metre", "heights are floats, and those up to 1e+09 are rounded to multiples of 64", {}),
     (HILLS, STATE, None, "heights taken as US survey ft, as x and y;", {"zscale": 3.2808}),

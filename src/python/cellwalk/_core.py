@@ -36,7 +36,7 @@ def c_text(text: str | bytes) -> bytes:
 
 
 def owner(kind: str, drop) -> Any:
-    """Room for a pointer that a function makes; drop destroys that with the room, which is there before the call, for Ctrl-C after it."""
+    """Room for a pointer that a function makes; drop destroys both. The room is there before the call, so that Ctrl-C loses nothing."""
     return ffi.gc(ffi.new(kind), drop)
 
 
@@ -78,7 +78,7 @@ def warn(text: str) -> None:
 
 @functools.lru_cache(maxsize=2)
 def _pool(threads: int, process: int):
-    """Threads cost too much to start for each call: the two pools used last stay, others go once nothing runs on them. A forked child makes its own."""
+    """Threads cost too much to start for each call: the two pools used last stay, others go once idle. A forked child makes its own."""
     pool = owner("cw_pool **", lib.drop_pool)
     check(lib.cw_pool_create(threads, pool), "threads")
     return pool

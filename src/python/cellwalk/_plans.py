@@ -101,7 +101,7 @@ def azimuths_of(sky: dict[str, Any]) -> np.ndarray:
 
 
 def spots_of(x, y, height, elevation, default: float = 2.0, weights=None, of: str = "observer_") -> np.ndarray:
-    """Places, shape (n, 5): x, y, height above ground or, with 1 as the fourth number, itself, weight. of: how arguments' names begin."""
+    """Places, shape (n, 5): x, y, height, 1 if that is absolute and 0 if above ground, weight. of: what arguments' names begin with."""
     absolute = elevation is not None
     if absolute and height is not None:
         raise ValueError(f"{of}height: goes without {of}elevation")

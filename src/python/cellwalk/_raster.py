@@ -56,15 +56,15 @@ def read_crs(crs) -> Crs:
 
 
 def _look_up(crs) -> str:
-    for name in "pyproj.crs", "rasterio.crs":
+    for module in "pyproj.crs", "rasterio.crs":
         try:
-            wkt = importlib.import_module(name).CRS.from_user_input(crs).to_wkt()
+            wkt = importlib.import_module(module).CRS.from_user_input(crs).to_wkt()
         except ImportError:
             continue
         except Exception as error:
             raise ValueError(f"crs: {crs!r}: {error}") from None
-        found, name = wkt.split('"')[1], isinstance(crs, str) and not re.search(r"[:+={\[]|^\d+$", crs)
-        if name and re.sub("[ _]", "", crs).lower() != found.replace(" ", "").lower():  # "foo" is found, as a part of Amersfoort
+        found, is_name = wkt.split('"')[1], isinstance(crs, str) and not re.search(r"[:+={\[]|^\d+$", crs)
+        if is_name and re.sub("[ _]", "", crs).lower() != found.replace(" ", "").lower():  # "foo" is found, as a part of Amersfoort
             raise ValueError(f"crs: {crs!r} is the name of no coordinate system; {found!r} is the nearest")
         return wkt
     raise ValueError(f"crs: {crs!r} is no well-known text, and neither pyproj nor rasterio is installed to look it up")

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GeoTIFF: tiles, compressed, a band after the other. In a COG smaller copies come first: it is a copy that finish makes of another file. */
+/* GeoTIFF: tiles, compressed, a band after the other. GDAL makes a COG only from a finished file, since its smaller copies come
+ * first: the GeoTIFF then goes to another file, and finish makes the copy. */
 
 #include "parts.h"
 
@@ -30,7 +31,7 @@ bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io
     if (driver_of(cog) == NULL) return io_fail(error, "--cog: GDAL was built without its driver COG");
     for (size_t k = 0; k < count; k++) {
         if (strchr(creation[k], '=') == NULL) return io_fail(error, "%s takes NAME=VALUE, not '%s'", kind, creation[k]);
-        /* A world file would have the temporary file's name; codes and counts are no colours. */
+        /* A world file would have the temporary file's name; the others are lossy. */
         static const char *const refused[] = {"TFW=", "WORLDFILE=", "NBITS=", "COMPRESS=JPEG", "COMPRESS=WEBP"};
         for (size_t r = 0; r < sizeof refused / sizeof *refused; r++)
             if (strncasecmp(creation[k], refused[r], strlen(refused[r])) == 0)
