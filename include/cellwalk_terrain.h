@@ -9,8 +9,8 @@
  * set and part of the field.
  *
  * Words. The *map* has x and y, and heights in metres; azimuths are degrees from the map's y axis over its x axis: from north over
- * east where y grows northward. The *surface* is the field's: two triangles a cell, without interpolation of another kind. Lines
- * are straight on the map.
+ * east where y grows northward. The *surface* is the field's: two triangles a cell, without interpolation of another kind; where
+ * holes leave none, nothing hides or casts a shadow. Lines are straight on the map.
  *
  * Threads. Any number of threads may use one terrain. Samples must not change while they do, and after a cw_field_update
  * or cw_field_move a new terrain is needed. Functions allocate. A call takes at most 48 KiB of stack.

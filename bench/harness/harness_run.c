@@ -62,7 +62,7 @@ void run_record_begin(char **arguments, int count) {
 json_t *run_record(const char *name, uint32_t seed, int cpu) {
     char model[256], cache[64], date[32];
     if (cpus == 0) cpus = cpus_usable();
-    proc_value("/proc/cpuinfo", "model name", model, sizeof model);
+    proc_cpu(model, sizeof model);
     proc_value("/proc/cpuinfo", "cache size", cache, sizeof cache);
     double load = -1;
     if (getloadavg(&load, 1) != 1) load = -1;

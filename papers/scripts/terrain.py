@@ -252,8 +252,9 @@ def said(*command):
 def record(command, arguments, isa, **more):
     """The first line of a file of results: what they depend on."""
     with open("/proc/cpuinfo", encoding="utf-8") as file:
-        cpu = re.search(r"model name\s*: (.*)", file.read()).group(1)
-    return {"kind": "run", "command": command, "arguments": arguments, "cpu": cpu, "isa": isa,
+        of = dict(re.findall(r"^(.+?)\s*: (.*)$", file.read(), re.M))
+    return {"kind": "run", "command": command, "arguments": arguments, "isa": isa,
+            "cpu": f"{of['model name']} (family {of['cpu family']}, model {of['model']})",
             "commit": said("git", "-C", ROOT, "rev-parse", "--short=10", "HEAD"), **more, "load": round(os.getloadavg()[0], 2),
             "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}
 

@@ -21,4 +21,16 @@ static inline void proc_value(const char *path, const char *key, char *value, si
     if (file) fclose(file);
 }
 
+/* "AMD EPYC (family 25, model 17)": names of hosted machines are the same for all makes. */
+static inline void proc_cpu(char *text, size_t size) {
+    char name[96], family[16], model[16];
+    proc_value("/proc/cpuinfo", "model name", name, sizeof name);
+    proc_value("/proc/cpuinfo", "cpu family", family, sizeof family);
+    proc_value("/proc/cpuinfo", "model\t", model, sizeof model);
+    if (strcmp(family, "unknown") == 0)
+        snprintf(text, size, "%s", name);
+    else
+        snprintf(text, size, "%s (family %s, model %s)", name, family, model);
+}
+
 #endif

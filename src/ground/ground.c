@@ -66,7 +66,8 @@ bool ground_find_window(ground *g, const double e[4], const char *text, io_error
     }
     if (!some) {
         ground_extent(&g->whole, low, high);
-        return io_fail(error, "--window %s: no sample is in it; they go from %.10g,%.10g to %.10g,%.10g", text, low[0],
+        return io_fail(error, "--window %s: %s; samples go from %.10g,%.10g to %.10g,%.10g", text,
+                       e[0] <= e[2] && e[1] <= e[3] ? "no sample is in it" : "XMIN > XMAX or YMIN > YMAX", low[0],
                        low[1], high[0], high[1]);
     }
     ground_set_window(g, (cw_rectangle){(size_t)low[0], (size_t)low[1], (size_t)(high[0] - low[0]) + 1,

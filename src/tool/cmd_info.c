@@ -39,7 +39,7 @@ static void print_kernels(const cw_kernel *chosen, bool json) {
 static void print_machine(bool json) {
     char cpu[128] = "";
     const char *isa = cw_isa_name(cw_isa_best()), *limit = getenv("CELLWALK_ISA");
-    proc_value("/proc/cpuinfo", "model name", cpu, sizeof cpu);
+    proc_cpu(cpu, sizeof cpu);
     if (json) {
         json_print(stdout, "{'version': %s, 'cpu': %s, 'cpus': %u, 'isa': %s, ", CW_VERSION, cpu, (size_t)cpus_usable(),
                    isa);

@@ -61,7 +61,8 @@ LINES = r"""
 2 | --cellsize takes a number above 0 | shadow wall.npy --sun 0,30 --cellsize 0 -o no.npy
 1 | has one band, not 2 | shadow wall.npy --sun 0,30 --band 2 -o no.npy
 2 | --window takes XMIN,YMIN,XMAX,YMAX | shadow wall.npy --sun 0,30 --window 1,2,3 -o no.npy
-1 | no sample is in it; they go from 0,0 to 590,490 | shadow wall.npy --cellsize 10 --sun 0,30 --window {5000,0,6000,10;20,0,10,10} -o no.npy
+1 | no sample is in it; samples go from 0,0 to 590,490 | shadow wall.npy --cellsize 10 --sun 0,30 --window 5000,0,6000,10 -o no.npy
+1 | XMIN > XMAX or YMIN > YMAX; samples go from | shadow wall.npy --cellsize 10 --sun 0,30 --window {20,0,10,10;0,20,10,10} -o no.npy
 2 | --memory takes a number of bytes | shadow wall.npy --sun 0,30 --memory {2X;"2 "} -o no.npy
 1 | 60 x 50 samples matter at once, which need --memory 1M; there is {0.03M;12} | horizon wall.npy --memory {0.03M;12} -o no.npy
 2 | --from X,Y is missing | viewshed wall.npy -o no.npy

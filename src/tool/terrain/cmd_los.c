@@ -223,8 +223,8 @@ static int run(int argc, char **argv) {
         .synopsis = "DEM (X,Y[,H] X,Y[,H] | --pairs FILE.csv) [OPTIONS]",
         .what = "Computes whether the straight line between two places is free of terrain and prints the answer, or "
                 "the place where the line from the first is first blocked. A line that touches the terrain is blocked; "
-                "the ends themselves block nothing. Distances and heights are metres, for any unit of the map. A table "
-                "of pairs is answered by a table: visible is 1 or 0, and blocked_... are empty where nothing "
+                "its ends block nothing, nor do holes. Distances and heights are metres, for any unit of the map. A "
+                "table of pairs is answered by a table: visible is 1 or 0, and blocked_... are empty where nothing "
                 "blocks.\n\n" PRODUCT_PLACE_HELP "\nWithout H a place is on the ground.\n",
         .examples = "  cellwalk los dem.tif 600250,5199800,2 601500,5200100,=1250\n"
                     "  cellwalk los dem.tif 600250,5199800,2 601500,5200100 --profile profile.csv\n"
