@@ -93,7 +93,7 @@ static int run(int argc, char **argv) {
         option_text("sun", "AZ,ALT", &c.sun, "azimuth from the map's north over east, and altitude, in degrees"),
         option_text("time", "TIME", &c.time,
                     "date and time with a zone (2024-06-21T12:00:00Z, or +02:00 for Z), at which the sun stands over "
-                    "the terrain's middle; the file must name a coordinate system"),
+                    "the terrain's middle, to 0.01 degrees from 1950 to 2050; the file needs a coordinate system"),
         option_flag(
             "hillshade", &c.hillshade,
             "light on the ground: the cosine of the angle between the sun and the ground's normal, 0 in shadow"),

@@ -274,7 +274,7 @@ static int run(int argc, char **argv) {
                 "The sun stands in the middle of each step, where it is seen from the terrain's middle, lifted by the "
                 "air's refraction. A sample is lit while the sun's middle is above its horizon; shadows are those of "
                 "`cellwalk shadow`. Days begin at midnight of the terrain's mean solar time. Hours are right to one "
-                "step a day and horizon.\n\n"
+                "step a day and horizon, and the sun's place to 0.01 degrees from 1950 to 2050.\n\n"
                 "Energy is by the model of the European Solar Radiation Atlas (Rigollier, Bauer and Wald 2000, also in "
                 "GRASS' r.sun): direct light falls on the ground as it leans, at its height; diffuse light comes from "
                 "an evenly bright sky, as much of it as the leaning ground sees. Light that other ground reflects is "
