@@ -65,21 +65,33 @@ static bool looks_like_degrees(const terrain *t, const io_place *p, const double
     return !t->geographic && far && fabs(p->x) <= 360 && fabs(p->y) <= 360;
 }
 
+double ground_round(const terrain *t) { return t->geographic ? 2 * 3.14159265358979323846 / t->unit : 0; }
+
+/* A longitude outside the raster, as the raster counts it: whole rounds nearer to its middle. */
+static double turned(const terrain *t, double x) {
+    double low[2], high[2];
+    ground_extent(t, low, high);
+    const double round = ground_round(t), middle = 0.5 * (low[0] + high[0]);
+    return t->geographic && (x < low[0] || x > high[0]) ? x - round * nearbyint((x - middle) / round) : x;
+}
+
 /* Why a place has no ground. */
 static bool tell_no_ground(const terrain *part, const io_place *p, const double there[2], io_error *error) {
     const terrain *t = terrain_whole(part);
     const double at[2] = {there[0] + (double)part->column, there[1] + (double)part->row};
-    double low[2], high[2], swapped[2];
+    double low[2], high[2], swapped[2], round[2];
     char text[IO_PLACE_ROOM];
     if (is_inside(t, at, 0))
         return io_fail(error, "%s: there is no data at that place; X,Y,=Z gives the height itself",
                        io_place_text(p, text));
     ground_extent(t, low, high);
     terrain_from_map(t, p->y, p->x, swapped);
+    terrain_from_map(t, turned(t, p->x), p->y, round);
     const char *why = is_inside(t, at, 0.5) ? "lies in the outer half of a pixel, beyond the outermost centres"
                       : looks_like_degrees(t, p, low, high)
                           ? "lies outside and looks like longitude and latitude, which this map does not have"
                       : is_inside(t, swapped, 0.5) ? "lies outside, but with X and Y exchanged it would not"
+                      : is_inside(t, round, 0.5)   ? "lies outside, but with X 360 degrees away it would not"
                                                    : "lies outside";
     return io_fail(error,
                    "%s: %s: the samples, which are the pixels' centres, go from X %.10g to %.10g and Y %.10g to %.10g",
@@ -177,6 +189,7 @@ bool observers_find(io_points *o, const observers_from *from, const ground *g, i
     if (from->lines && given.has_lines && from->every == 0)
         good = io_fail(error, "%s: holds lines, and --every D says where on them observers stand", from->file);
     if (good && given.count > OBSERVERS_MOST) good = fail_many(error);
+    for (size_t k = 0; k < given.count; k++) given.list[k].x = turned(&g->whole, given.list[k].x);
     *o = (io_points){.has_weight = given.has_weight};
     if (good && from->every > 0)
         good = put_along(o, &given, from->every, &g->whole, error);

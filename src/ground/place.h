@@ -31,6 +31,9 @@ place_state ground_try_place(const terrain *t, const io_place *p, double at[3], 
 /* The same, with an error unless the place is good. level_there may be NULL. */
 bool ground_find_place(const terrain *t, const io_place *p, double at[3], double *level_there, io_error *error);
 
+/* A whole round of longitude, by which a file may count otherwise than the raster; 0 unless the map's x and y are angles. */
+double ground_round(const terrain *t);
+
 enum { OBSERVERS_MOST = 1 << 24 };
 
 /* Where they come from. */

@@ -36,9 +36,6 @@ def from_each(*places):
     return [word for place in places for word in ("--from", place)]
 
 
-# ---- tables ---------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("text, says", [
     ("x,y,height\n100,100,3\n250.5,321.25,\n400,20,=90", None),
     ('label,"height" , "Y",\tx\n"a, ""b""\nc",3,100,100\n\nd, 2.0 , 3.2125e2 ,"250.5"\n,"=90",20,400\n  \n',
@@ -100,6 +97,15 @@ def test_features():
     same("utm.vrt", ["--observers", "p.csv", "--weights"], ["--observers", "p.geojson", "--weights"])
     geojson("q.geojson", feature("Point", [9.004, 46.9498]), crs="OGC:1.3:CRS84")
     same("degrees.vrt", ["--observers", "q.geojson"], ["--from", "9.004,46.9498"])
+    # Longitudes may count from elsewhere.
+    vrt("round.vrt", "land.asc", ROWS.shape, on_map(4326, 369, 0.00013, 0, 46.95, 0, -0.00009))
+    geojson("r.geojson", feature("Polygon", [[[9.002, 46.946], [9.007, 46.946], [9.004, 46.951], [9.002, 46.946]]]), crs="OGC:1.3:CRS84")
+    seen, counts = view("degrees.vrt", "--observers", "q.geojson"), set()
+    for dem, place in (("degrees.vrt", "369.004,46.9498"), ("round.vrt", "9.004,46.9498"), ("round.vrt", "-350.996,46.9498")):
+        assert (view(dem, "--from", place) == seen).all() and (view(dem, "--observers", "q.geojson", "--table", "s.csv", "--within", "r.geojson") == seen).all()
+        counts.add(int(read("s.csv").split(b",")[10]))
+    assert len(counts) == 1 and 9 < counts.pop() < (seen == 1).sum()
+    refused(1, "with X 360 degrees away it would not", "los", "round.vrt", "9.004,46.9498", "369.003,46.949")
     # The middle of zone 32 is 9 degrees east: 500 000 m, beside the first column of samples.
     geojson("q.geojson", feature("Point", [9, 46.9535]), crs="OGC:1.3:CRS84")
     refused(1, "q.geojson: feature 0: 500000,", "viewshed", "utm.vrt", "--observers", "q.geojson", "-o", "o.npy")

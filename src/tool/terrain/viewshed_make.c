@@ -54,10 +54,9 @@ static bool read_samples(viewshed_command *c, io_error *error) {
         piece = cw_reach_both(piece, samples_of(c, at));
     }
     piece = cw_reach_grow(&g->whole, cw_reach_both(piece, g->window), 0);
-    const double more = (c->kind == VIEW_WEIGHT ? (double)(sizeof *c->sums - sizeof(float))
-                                                : 0) + /* sums are longer than other results */
-                        (c->table ? (double)sizeof *c->own : 0) +
-                        (c->within ? (double)sizeof *c->inside : 0);
+    double more = c->table ? (double)sizeof *c->own : 0;
+    if (c->kind == VIEW_WEIGHT) more += (double)(sizeof *c->sums - sizeof(float)); /* longer than other results */
+    if (c->within) more += (double)sizeof *c->inside;
     return ground_check(g, piece, more, error) && ground_read(g, piece, false, error);
 }
 
@@ -83,11 +82,10 @@ static bool skip_observers(viewshed_command *c, bool read, io_error *error) {
     io_error why;
     if (!c->skip) return true;
     for (size_t k = 0; k < o->count; k++) {
-        if (can_look(c, &o->list[k], read, &why)) {
+        if (can_look(c, &o->list[k], read, &why))
             o->list[kept++] = o->list[k];
-            continue;
-        }
-        io_warn(to, "skipped: %s", why.text);
+        else
+            io_warn(to, "skipped: %s", why.text);
     }
     c->skipped += o->count - kept;
     o->count = kept;
@@ -109,16 +107,13 @@ static bool print_view(viewshed_command *c, const double eye[3], io_error *error
         if (c->seen) c->seen[k] = (uint16_t)(c->seen[k] + c->own[k]);
         if (c->sums) c->sums[k] += c->own[k];
     }
-    if (!io_output_print(&c->table_file, error, "%zu,%.12g,%.12g,%.0f,%.9g,",
-                         isnan(o->along) ? o->order + 1 : c->observer + 1, o->x, o->y, v.samples, v.km2))
-        return false;
-    const bool sees = v.samples > 0;
-    if (!io_output_write(&c->table_file, ",,", sees ? 0 : 2, error) ||
-        (sees &&
-         !io_output_print(&c->table_file, error, "%.3f,%.12g,%.12g", v.farthest, v.farthest_at[0], v.farthest_at[1])) ||
-        (c->observers.has_names && !io_table_write_cell(&c->table_file, o->name, error)))
-        return false;
-    return io_output_write(&c->table_file, "\n", 1, error);
+    io_output *to = &c->table_file;
+    return io_output_print(to, error, "%zu,%.12g,%.12g,%.0f,%.9g,", isnan(o->along) ? o->order + 1 : c->observer + 1,
+                           o->x, o->y, v.samples, v.km2) &&
+           (v.samples > 0
+                ? io_output_print(to, error, "%.3f,%.12g,%.12g", v.farthest, v.farthest_at[0], v.farthest_at[1])
+                : io_output_write(to, ",,", 2, error)) &&
+           (!c->observers.has_names || io_table_write_cell(to, o->name, error)) && io_output_write(to, "\n", 1, error);
 }
 
 static bool look_from(viewshed_command *c, io_error *error) {
@@ -152,9 +147,14 @@ static bool find_inside(viewshed_command *c, io_error *error) {
     const ground *g = &c->product.ground;
     const terrain *t = &g->terrain;
     const io_points_options reading = {.crs = g->about.georef.crs, .warn = g->watch.warn};
-    c->inside = calloc(t->nx, t->ny);
+    double map[3][4];
+    const io_mask mask = {(const double(*)[4])map, t->nx, t->ny, c->inside = calloc(t->nx, t->ny)};
     if (c->inside == NULL) return io_fail(error, "out of memory");
-    if (!io_areas_read(c->within, &reading, &(io_mask){t->map, t->nx, t->ny, c->inside}, error)) return false;
+    memcpy(map, t->map, sizeof map);
+    for (int k = -1; k < 2; k++) { /* longitudes from -180 or from 0 on */
+        map[0][3] = t->map[0][3] + k * ground_round(t);
+        if ((k == 0 || t->geographic) && !io_areas_read(c->within, &reading, &mask, error)) return false;
+    }
     if (memchr(c->inside, 1, t->nx * t->ny) == NULL)
         io_warn(&g->watch.warn, "%s: no sample that is looked at lies inside its polygons", c->within);
     return true;
