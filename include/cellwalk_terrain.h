@@ -9,8 +9,9 @@
  * set and part of the field.
  *
  * Words. The *map* has x and y, and heights in metres; azimuths are degrees from the map's y axis over its x axis: from north over
- * east where y grows northward. The *surface* is the field's: two triangles a cell, without interpolation of another kind; where
- * holes leave none, nothing hides or casts a shadow. Lines are straight on the map.
+ * east where y grows northward. The *surface* is the field's: two triangles a cell, without interpolation of another kind. What
+ * hides are its edges, also those between two samples that holes leave without a triangle, and single samples; holes hide nothing.
+ * Lines are straight on the map.
  *
  * Threads. Any number of threads may use one terrain. Samples must not change while they do, and after a cw_field_update
  * or cw_field_move a new terrain is needed. Functions allocate. A call takes at most 48 KiB of stack.
@@ -142,8 +143,9 @@ typedef struct cw_horizon {
 CW_API cw_status cw_horizon_azimuths(const cw_terrain *terrain, const cw_horizon *horizon, double *azimuths);
 
 /* degrees: the angle of the highest point of the terrain in direction number, from 0 to count - 1, over the level of the sample;
- * negative below it. On a map in degrees it is within 0.003 degrees. metres: how far that point is; the nearest of several.
- * NaN at a hole, and where the terrain ends at the sample or nothing of it is within max_distance. Either may be NULL. */
+ * negative below it. On a map in degrees it is within 0.003 (1 + s) degrees, s being the steepest rise of the ground. metres: how
+ * far that point is; the nearest of several. NaN at a hole, and where the terrain ends at the sample or nothing of it is within
+ * max_distance. Either may be NULL. */
 CW_API cw_status cw_horizon_angles(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon,
                                    uint32_t number, cw_area area, float *degrees, float *metres);
 
@@ -192,8 +194,9 @@ typedef struct cw_view {
     uint64_t reserved[8]; /* 0 */
 } cw_view;
 
-/* Exact: for the samples, the eye and the target as numbers, each decision is that of real arithmetic; a line that touches the
- * surface on the way is blocked. needed and angle are rounded. Terrain outside the limits hides targets too. */
+/* Exact: for the samples, the eye and the target as numbers, each decision is that of real arithmetic; a line is blocked if it
+ * touches or passes under an edge of the surface between eye and target, whatever it does within the first and the last triangle.
+ * needed and angle are rounded. Terrain outside the limits hides targets too. */
 CW_API cw_status cw_viewshed(const cw_terrain *terrain, const cw_run *run, const cw_observer *from, cw_area area,
                              const cw_view *view);
 
@@ -222,7 +225,7 @@ typedef struct cw_sight_answer {
     uint32_t end;      /* of a line that cannot be: 0 from, 1 to */
 } cw_sight_answer;
 
-/* n lines of sight, in any order. state is exact, the place of a block is rounded. */
+/* n lines of sight, in any order. state is exact, as in cw_viewshed, the place of a block is rounded. */
 CW_API cw_status cw_lines_of_sight(const cw_terrain *terrain, const cw_run *run, double curvature,
                                    const cw_sight *lines, size_t n, cw_sight_answer *answers);
 

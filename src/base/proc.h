@@ -30,7 +30,7 @@ static inline void proc_cpu(char *text, size_t size) {
     if (strcmp(family, "unknown") == 0)
         snprintf(text, size, "%s", name);
     else
-        snprintf(text, size, "%s (family %s, model %s)", name, family, model);
+        snprintf(text, size, "%.64s (family %s, model %s)", name, family, model);
 }
 
 #endif

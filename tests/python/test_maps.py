@@ -242,9 +242,6 @@ def test_night(arguments):
     assert any(rim)
 
 
-# ---- places ------------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("name", ["utm", "degrees"])
 def test_places_written_to_the_millimetre(name):
     """A sample between holes has no triangle, and its place stays its own."""
@@ -280,9 +277,6 @@ def test_small_cells_far_from_the_origin(cell, turned):
         assert np.allclose(*answers, rtol=1e-6, atol=1e-6 * cell, equal_nan=True), (row, column)
 
 
-# ---- sums -------------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("tilt", [0, 37, 89.9, 90, 90.1, 135, 180])
 def test_the_sky_of_a_leaning_surface(tilt):
     """A surface on a plain sees (1 + cos tilt) / 2 of it; one that overhangs sees less and less, and never less than nothing."""
@@ -298,9 +292,6 @@ def test_days_without_hills():
                            for tilt, facing in ((40, 180), (0, 180), (90, 0)))
     assert south.direct > level.direct > north.direct == 0 and level.hours == level.free_hours == (level.set - level.rise) / np.timedelta64(1, "h")
     assert len({cw.Field(np.zeros((9, 9))).sun_days(4, 4, "2024-02-10", lon_lat=(x, 50)).rise.item() for x in (-10, 350)}) == 1
-
-
-# ---- horizons of places ------------------------------------------------------------------------------------------------------
 
 
 def test_horizons_of_places(maps):
@@ -322,6 +313,18 @@ def test_horizons_of_places(maps):
         noon, middle = "2024-12-21T13:00:00Z", degrees_of(crs, [np.mean(x)], [np.mean(y)])
         true, of_map = cw.sun(noon, float(middle[0][0]), float(middle[1][0])), cw.open(maps[name]).sun(noon)
         assert abs(of_map.azimuth - true.azimuth - np.ravel(np.broadcast_to(apart, 3)).mean()) < 0.2
+
+
+def test_horizons_of_rough_land_in_degrees():
+    """Rows that share a heading are off in proportion to the ground's steepest rise; at a place the row's own scale counts."""
+    for north, bumps, azimuth in ((70, 300, 117), (46, 300, 60), (46, 30, 117), (-60, 100, 290)):
+        z = np.random.default_rng(2).uniform(0, bumps, (31, 43)).astype("float32")
+        field = cw.Field(z, (3e-4, 0, 10, 0, -2e-4, north), "EPSG:4326")
+        j, i = np.mgrid[0:31, 0:43].reshape(2, -1) + 0.5
+        exact = field.horizon_at(10 + 3e-4 * i, north - 2e-4 * j, directions=1, start=azimuth).angle
+        steepest = np.hypot(np.diff(z, axis=0).max() / 22.2, np.diff(z, axis=1).max() / (33.4 * np.cos(np.radians(north))))
+        apart = np.nanmax(np.abs(np.ravel(field.horizon(1, start=azimuth)) - np.ravel(exact)))
+        assert 5e-4 * steepest < apart < 0.003 * (1 + steepest)
 
 
 def test_the_nearest_of_equal_rises():

@@ -50,9 +50,6 @@ def test_sun(ground):
         assert f"({p.azimuth:.3f} on the map), altitude {p.altitude:.3f}" in tool("shadow", ground.path, "--time", "2024-06-21T09:00:00Z", "-o", "s.npy")
 
 
-# ---- what a person sees -------------------------------------------------------------------------------------------------
-
-
 def says(wanted, name, path, *words, out):
     """The line at the end, unless --quiet is given."""
     said = run(name, path, *words, "-o", out).outcome
@@ -163,9 +160,6 @@ def test_names_of_observers(hills):
     for words in (("viewshed", hills, "--observers", "towers.csv", "--table", "-", "-o", "o.tif"), ("horizon", hills, "--places", "towers.csv", "--directions", 1),
                   ("los", hills, "--pairs", "towers.csv", "--frequency", 900)):
         assert [row["name"] for row in csv.DictReader(tool(*words).splitlines())] == ["High Mast", "", 'a, "b"']
-
-
-# ---- radio links --------------------------------------------------------------------------------------------------------
 
 
 def test_clearance_over_a_plain():

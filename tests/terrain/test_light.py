@@ -36,9 +36,6 @@ def rough(kind, r, nx=SIDE, ny=SIDE):
     return np.rint(0.2 * z) if kind == 4 else z
 
 
-# ---- the sun's disc -----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("strips", [4, 16, 64])
 def test_a_wall_before_the_disc(lands, strips):
     """A long wall as high as the middle of the sun hides half of it, and more or less by a segment of the disc. The sum over
@@ -100,9 +97,6 @@ def test_large_areas_are_made_in_pieces(lands):
     lands.land(z)
     lit = lands.shadow(0, 43)
     assert (lit[1081:1086] == 0).all() and lit.sum() == 1095 * 1000
-
-
-# ---- horizons ---------------------------------------------------------------------------------------------------------------
 
 
 def test_shadow_agrees_with_horizon_and_rays(lands):

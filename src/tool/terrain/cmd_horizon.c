@@ -230,13 +230,12 @@ static int run(int argc, char **argv) {
                 "2002), --distance how far away that point is (the nearest of several), and --at and --places print "
                 "the horizons of places.\n\n"
                 "NaN means no data: at holes, and where no terrain lies in that direction within --max-distance. The "
-                "sky-view factor counts the sky there as free. Angles are exact to 0.001 degrees (0.003 where the "
-                "scale differs from row to row) for the surface of two triangles between each four samples, if "
-                "neighbours differ by less than 30 times their distance. On a map in degrees, directions are off in "
-                "proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n\n"
+                "sky-view factor counts the sky there as free. Angles are exact to 0.001 degrees for the surface of "
+                "two triangles between each four samples, if it is less steep than 30; where the map's scale differs "
+                "from row to row, to 0.003 (1 + its steepest rise over distance). On a map in degrees, directions are "
+                "off in proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n\n"
                 "To save time (papers/tradeoff.md of the sources): for --svf, 16 directions take half of the time of "
-                "32, and 99 % of the factors are off by at most 0.0021. --coarser costs more error than it is worth "
-                "here.\n",
+                "32, and 99 % of the factors are off by at most 0.0021. --coarser costs too much error here.\n",
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 8 --cog -o horizon.tif\n"

@@ -144,7 +144,7 @@ static int run(int argc, char **argv) {
             "every site at once look from the other end: the samples of the valley as --observers, of height 0, and "
             "--target-height 10 count at each sample how much of the valley a mast of 10 m sees from there.\n\n"
             "The surface is two triangles between each four samples, lowered by the earth's curvature. Each line is "
-            "decided exactly: one that touches the surface is blocked. Holes hide nothing.\n\n" PRODUCT_PLACE_HELP "\n",
+            "decided exactly: an edge that it touches blocks it. Holes hide nothing.\n\n" PRODUCT_PLACE_HELP "\n",
         .examples = "  cellwalk viewshed dem.tif --from 600250,5199800 -o seen.png\n"
                     "  cellwalk viewshed dem.tif --from 600250,5199800,30 --target-height 1.5 \\\n"
                     "      --max-distance 20000 -o seen.tif\n"
