@@ -67,12 +67,12 @@ static bool looks_like_degrees(const terrain *t, const io_place *p, const double
 
 double ground_round(const terrain *t) { return t->geographic ? 2 * 3.14159265358979323846 / t->unit : 0; }
 
-/* A longitude outside the raster, as the raster counts it: whole rounds nearer to its middle. */
+/* A longitude outside the raster, as the raster counts it: up to two rounds nearer to its middle. More are no longitude. */
 static double turned(const terrain *t, double x) {
     double low[2], high[2];
     ground_extent(t, low, high);
-    const double round = ground_round(t), middle = 0.5 * (low[0] + high[0]);
-    return t->geographic && (x < low[0] || x > high[0]) ? x - round * nearbyint((x - middle) / round) : x;
+    const double round = ground_round(t), rounds = round > 0 ? nearbyint((x - 0.5 * (low[0] + high[0])) / round) : 0;
+    return (x < low[0] || x > high[0]) && fabs(rounds) <= 2 ? x - rounds * round : x;
 }
 
 /* Why a place has no ground. */

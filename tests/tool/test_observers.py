@@ -105,6 +105,7 @@ def test_features():
         assert (view(dem, "--from", place) == seen).all() and (view(dem, "--observers", "q.geojson", "--table", "s.csv", "--within", "r.geojson") == seen).all()
         counts.add(int(read("s.csv").split(b",")[10]))
     assert len(counts) == 1 and 9 < counts.pop() < (seen == 1).sum()
+    refused(1, "is too far away", "viewshed", "round.vrt", "--from", "36009.004,46.9498", "-o", "o.npy")
     refused(1, "with X 360 degrees away it would not", "los", "round.vrt", "9.004,46.9498", "369.003,46.949")
     # The middle of zone 32 is 9 degrees east: 500 000 m, beside the first column of samples.
     geojson("q.geojson", feature("Point", [9, 46.9535]), crs="OGC:1.3:CRS84")
