@@ -78,8 +78,8 @@ static inline double terrain_metres_of_height(const terrain *t) { return t->map[
 static inline const terrain *terrain_whole(const terrain *t) { return t->whole ? t->whole : t; }
 
 /* Rows from row on whose scales differ by less than 10^-4, so that they may share one heading: all of them, unless scales differ
- * from row to row. Lengths are off by up to that and azimuths by half of it, so angles by 0.003 (1 + s) degrees, s being the
- * steepest rise. */
+ * from row to row. Lengths are off by up to that; azimuths by half of it on a map in degrees, where one scale changes, and by all of it
+ * where both may. So angles are off by 0.003 (1 + s) degrees, or 0.003 (1 + 2 s), s being the steepest rise. */
 size_t cw_terrain_rows_alike(const terrain *t, size_t row);
 
 /* Where a place of the map lies, in field coordinates; false if that is not in reach. Places of the map that are

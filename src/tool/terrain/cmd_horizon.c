@@ -232,8 +232,8 @@ static int run(int argc, char **argv) {
                 "NaN means no data: at holes, and where no terrain lies in that direction within --max-distance. The "
                 "sky-view factor counts the sky there as free. Angles are exact to 0.001 degrees for the surface of "
                 "two triangles between each four samples, if it is less steep than 30; where the map's scale differs "
-                "from row to row, to 0.003 (1 + its steepest rise over distance). On a map in degrees, directions are "
-                "off in proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n\n"
+                "from row to row, to 0.003 (1 + twice its steepest rise over distance). On a map in degrees, "
+                "directions are off in proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n\n"
                 "To save time (papers/tradeoff.md of the sources): for --svf, 16 directions take half of the time of "
                 "32, and 99 % of the factors are off by at most 0.0021. --coarser costs too much error here.\n",
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
