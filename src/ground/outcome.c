@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "outcome.h"
 
+#include "extremes.h"
 #include "normal.h"
 
 #include <math.h>
@@ -9,7 +10,7 @@
 #include <string.h>
 
 /* Quantiles of a million values are known to a thousandth of their rank. */
-enum { KEPT_MOST = 1 << 20 };
+enum { KEPT_MOST = 1 << 20, COUNTED_MOST = 1 << 30 };
 
 bool outcome_begin(outcome *o, size_t values, io_error *error) {
     *o = (outcome){.low = INFINITY, .high = -INFINITY, .step = values / KEPT_MOST + 1};
@@ -23,37 +24,34 @@ void outcome_end(outcome *o) {
     o->kept = NULL;
 }
 
-/* Cells as floats, with NaN for no data: these themselves if they are floats, else values. */
-static const float *read_cells(const io_raster_product *p, const void *cells, size_t n, float *values) {
-    const uint8_t *bytes = cells;
-    const uint16_t *words = cells;
-    const int none = (int)p->nodata;
-    if (p->cell == IO_CELL_FLOAT32) return cells;
-    for (size_t k = 0; k < n && p->cell == IO_CELL_UINT8; k++) values[k] = bytes[k] == none ? NAN : bytes[k];
-    for (size_t k = 0; k < n && p->cell != IO_CELL_UINT8; k++) values[k] = words[k] == none ? NAN : words[k];
-    return values;
+static bool is_hole(const io_raster_product *p, const void *cells, size_t k) {
+    if (p->cell == IO_CELL_FLOAT32) return isnan(((const float *)cells)[k]);
+    return (p->cell == IO_CELL_UINT8 ? ((const uint8_t *)cells)[k] : ((const uint16_t *)cells)[k]) == (int)p->nodata;
 }
 
-const float *outcome_take(outcome *o, const io_raster_product *p, const void *cells, size_t n, float *room) {
-    const float *values = read_cells(p, cells, n, room);
-    size_t holes = 0, above = 0;
-    float low = o->low, high = o->high;
-    for (size_t k = 0; k < n; k++) {
-        holes += isnan(values[k]) != 0;
-        above += values[k] > 0;
+static float number(const io_raster_product *p, const void *cells, size_t k) {
+    if (p->cell == IO_CELL_FLOAT32) return ((const float *)cells)[k];
+    return p->cell == IO_CELL_UINT8 ? ((const uint8_t *)cells)[k] : ((const uint16_t *)cells)[k];
+}
+
+void outcome_take(outcome *o, const io_raster_product *p, const void *cells, size_t n) {
+    float low = INFINITY, high = -INFINITY;
+    for (size_t k = 0, end; k < n; k = end) {
+        unsigned holes = 0, above = 0; /* size_t would halve the speed */
+        for (end = n - k < COUNTED_MOST ? n : k + COUNTED_MOST; k < end; k++) {
+            const bool hole = is_hole(p, cells, k);
+            holes += hole;
+            above += !hole & (number(p, cells, k) > 0);
+        }
+        o->holes += holes;
+        o->above += above;
     }
-    for (size_t k = 0; k < n && values == cells; k++) {
-        low = values[k] < low ? values[k] : low;
-        high = values[k] > high ? values[k] : high;
-    }
+    if (p->cell == IO_CELL_FLOAT32) extremes_of(cells, n, &low, &high);
     for (size_t k = (o->step - o->samples % o->step) % o->step; k < n; k += o->step)
-        if (!isnan(values[k]) && o->count < o->room) o->kept[o->count++] = values[k];
+        if (!is_hole(p, cells, k) && o->count < o->room) o->kept[o->count++] = number(p, cells, k);
     o->samples += n;
-    o->holes += holes;
-    o->above += above;
-    o->low = low;
-    o->high = high;
-    return values;
+    o->low = low < o->low ? low : o->low;
+    o->high = high > o->high ? high : o->high;
 }
 
 /* After the last value. NaN without any. */
@@ -120,9 +118,10 @@ void picture_end(picture *p) {
     *p = (picture){0};
 }
 
-bool picture_take(picture *p, size_t row, size_t rows, const float *values, const terrain *t, size_t i, size_t j,
-                  size_t step, io_error *error) {
-    memcpy(p->values + row * p->nx, values, rows * p->nx * sizeof *values);
+bool picture_take(picture *p, const io_raster_product *product, size_t row, size_t rows, const void *cells,
+                  const terrain *t, size_t i, size_t j, size_t step, io_error *error) {
+    for (size_t k = 0; k < rows * p->nx; k++)
+        p->values[row * p->nx + k] = is_hole(product, cells, k) ? NAN : number(product, cells, k);
     float *slope = malloc(2 * t->nx * sizeof *slope);
     if (slope == NULL) return io_fail(error, "out of memory");
     for (size_t y = 0; y < rows; y++) {

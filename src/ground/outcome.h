@@ -18,8 +18,8 @@ typedef struct outcome {
 bool outcome_begin(outcome *o, size_t values, io_error *error);
 void outcome_end(outcome *o);
 
-/* The next n cells of the product. Returns them as floats, with NaN for no data: these themselves if they are floats, else in room. */
-const float *outcome_take(outcome *o, const io_raster_product *p, const void *cells, size_t n, float *room);
+/* The next n cells of the product. */
+void outcome_take(outcome *o, const io_raster_product *p, const void *cells, size_t n);
 
 /* "24.1 % of 138632 samples in sight" where cells are whole numbers, which counted names, or "0.62 to 1, median 0.93 h". */
 void outcome_text(const outcome *o, const io_raster_product *p, const char *counted, char *text, size_t size);
@@ -35,9 +35,9 @@ enum { PICTURE_PIXELS_MOST = 200000000 };
 bool picture_begin(picture *p, const char *path, size_t nx, size_t ny, io_error *error);
 void picture_end(picture *p);
 
-/* The next rows of values, of every step-th of the terrain's samples from (i, j) on. */
-bool picture_take(picture *p, size_t row, size_t rows, const float *values, const terrain *t, size_t i, size_t j,
-                  size_t step, io_error *error);
+/* The next rows of the product's cells, of every step-th of the terrain's samples from (i, j) on. */
+bool picture_take(picture *p, const io_raster_product *product, size_t row, size_t rows, const void *cells,
+                  const terrain *t, size_t i, size_t j, size_t step, io_error *error);
 
 /* Writes it to a PNG. of are its values; marks: pixels, x and y one after the other. */
 bool picture_write(const picture *p, const char *path, const io_raster_product *product, const outcome *of,

@@ -3,6 +3,7 @@
 
 #include "raster.h"
 
+#include "extremes.h"
 #include "large.h"
 #include "output.h"
 
@@ -39,11 +40,8 @@ static void smell_samples(const char *path, const io_raster_options *options, co
     float example = 0, largest = 0, nearest = INFINITY; /* to 0 */
     for (size_t j = 0; j < raster->ny; j++) {
         const float *z = raster->z + j * raster->nx;
-        float low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < raster->nx; i++) {
-            low = z[i] < low ? z[i] : low;
-            high = z[i] > high ? z[i] : high;
-        }
+        float low, high;
+        extremes_of(z, raster->nx, &low, &high);
         if (fabsf(low) < beyond) largest = fmaxf(largest, fabsf(low));
         if (fabsf(high) < beyond) largest = fmaxf(largest, fabsf(high));
         if (low > 0) nearest = fminf(nearest, low);

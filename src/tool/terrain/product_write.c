@@ -27,7 +27,6 @@ typedef struct writing {
     void *cells;        /* a block */
     outcome outcome;
     picture *picture; /* NULL: rows are written as they come */
-    float *values;    /* of a block */
 } writing;
 
 static bool fits(const writing *w, cw_rectangle piece) {
@@ -106,9 +105,10 @@ static bool fill_block(writing *w, size_t band, size_t row, size_t rows, io_erro
 static bool take_block(writing *w, size_t row, size_t rows, io_error *error) {
     const io_raster_product *p = &w->product->raster;
     const ground *g = &w->product->ground;
-    const float *values = outcome_take(&w->outcome, p, w->cells, rows * p->nx, w->values);
     const size_t first = g->window.i - g->terrain.column, local = row * w->step + g->window.j - g->terrain.row;
-    return w->picture == NULL || picture_take(w->picture, row, rows, values, &g->terrain, first, local, w->step, error);
+    outcome_take(&w->outcome, p, w->cells, rows * p->nx);
+    return w->picture == NULL ||
+           picture_take(w->picture, p, row, rows, w->cells, &g->terrain, first, local, w->step, error);
 }
 
 static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
@@ -160,8 +160,7 @@ bool product_write(product *p, io_error *error) {
     writing w = {.product = p, .step = p->every > 0 ? p->every : 1};
     w.rows = block_rows(r, p->passes, !p->in_memory && !fits(&w, ground_all(&p->ground)));
     w.cells = malloc(w.rows * r->nx * io_cell_bytes(r->cell));
-    w.values = malloc(w.rows * r->nx * sizeof *w.values);
-    bool good = (w.cells && w.values) || io_fail(error, "out of memory");
+    bool good = w.cells || io_fail(error, "out of memory");
     good = good && outcome_begin(&w.outcome, r->nx * r->ny, error);
     good = good && product_good(ground_plan_create(&w.plan, &p->matters, &p->ground.whole, p->ground.window), error);
     good = good && check_pieces(&w, error);
@@ -170,6 +169,5 @@ bool product_write(product *p, io_error *error) {
     ground_plan_destroy(&w.plan);
     outcome_end(&w.outcome);
     free(w.cells);
-    free(w.values);
     return good;
 }

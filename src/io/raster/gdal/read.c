@@ -160,9 +160,8 @@ static bool is_no_data(const source *s, double value) {
 
 /* Drops the file's no-data value. A header may spell it rounded to float or not, so floats are compared. raster.c drops the caller's. */
 static void drop_no_data(const source *s, float *z) {
-    const float value = s->has_nodata ? (float)s->nodata : NAN; /* which equals nothing */
-    for (int i = 0; i < s->nx; i++)
-        if (z[i] == value) z[i] = NAN;
+    const float value = (float)s->nodata;
+    for (int i = 0; i < s->nx && s->has_nodata; i++) z[i] = z[i] == value ? NAN : z[i];
 }
 
 static bool convert(const source *s, size_t row, float *z, io_error *error) {
