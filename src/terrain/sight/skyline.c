@@ -10,8 +10,9 @@
 bool cw_skyline_init(skyline *s, double from, double until) {
     *s = (skyline){.room = 64, .cuts_room = 64, .count = 2, .from = from, .until = until};
     s->pieces = malloc(s->room * sizeof *s->pieces);
+    s->next = calloc(s->room, sizeof *s->next);
     s->cuts = malloc(s->cuts_room * sizeof *s->cuts);
-    if (s->pieces == NULL || s->cuts == NULL) return false;
+    if (s->pieces == NULL || s->next == NULL || s->cuts == NULL) return false;
     s->pieces[0] = (skyline_piece){.from = INFINITY};
     s->pieces[SKYLINE_FIRST] = (skyline_piece){.from = from - 1, .a = -INFINITY};
     return true;
@@ -19,19 +20,22 @@ bool cw_skyline_init(skyline *s, double from, double until) {
 
 void cw_skyline_free(skyline *s) {
     free(s->pieces);
+    free(s->next);
     free(s->cuts);
 }
 
 static uint32_t take_piece(skyline *s) {
     const uint32_t old = s->unused;
     if (old) {
-        s->unused = s->pieces[old].next;
+        s->unused = s->next[old];
         return old;
     }
     if (s->count == s->room) {
         skyline_piece *more = realloc(s->pieces, 2 * (size_t)s->room * sizeof *more);
-        if (more == NULL) return 0;
-        s->pieces = more;
+        if (more) s->pieces = more;
+        uint32_t *next = realloc(s->next, 2 * (size_t)s->room * sizeof *next);
+        if (next) s->next = next;
+        if (more == NULL || next == NULL) return 0;
         s->room *= 2;
     }
     return s->count++;
@@ -68,47 +72,45 @@ static inline size_t put(skyline_piece *cuts, size_t n, double from, const skyli
         if (p->above > cuts[n - 1].above) cuts[n - 1].above = p->above;
         return n;
     }
-    cuts[n] = (skyline_piece){from, p->a, p->b, p->below, p->above, 0};
+    cuts[n] = (skyline_piece){from, p->a, p->b, p->below, p->above};
     return n + 1;
 }
 
 /* Gives back the pieces behind at, up to behind. They begin nowhere, which tells who has kept one. */
 static void leave_out(skyline *s, uint32_t at, uint32_t behind) {
-    for (uint32_t gone = s->pieces[at].next; gone != behind;) {
-        const uint32_t next = s->pieces[gone].next;
-        s->pieces[gone].next = s->unused;
+    for (uint32_t gone = s->next[at]; gone != behind;) {
+        const uint32_t next = s->next[gone];
+        s->next[gone] = s->unused;
         s->pieces[gone].from = INFINITY;
         s->unused = gone;
         gone = next;
     }
-    s->pieces[at].next = behind;
+    s->next[at] = behind;
 }
 
 static uint32_t put_between(skyline *s, uint32_t at) {
     const uint32_t fresh = take_piece(s);
     if (fresh == 0) return 0;
-    s->pieces[fresh].next = s->pieces[at].next;
-    s->pieces[at].next = fresh;
+    s->next[fresh] = s->next[at];
+    s->next[at] = fresh;
     return fresh;
 }
 
 /* The cuts take the place of the pieces from first to last. The first cut and the last stay in these two, if there are as many:
  * others point to pieces before and behind an edge. */
 static void put_in_place(skyline *s, uint32_t first, uint32_t last, size_t n) {
-    const uint32_t behind = s->pieces[last].next;
+    const uint32_t behind = s->next[last];
     uint32_t at = first;
     for (size_t k = 0; k < n; k++) {
         if (k > 0) {
             const bool end = k + 1 == n && first != last;
             if (end) leave_out(s, at, last);
-            at = end || (s->pieces[at].next != last && s->pieces[at].next != behind) ? s->pieces[at].next
-                                                                                     : put_between(s, at);
+            at = end || (s->next[at] != last && s->next[at] != behind) ? s->next[at] : put_between(s, at);
             if (at == 0) {
                 s->failed = true;
                 return;
             }
         }
-        s->cuts[k].next = s->pieces[at].next;
         s->pieces[at] = s->cuts[k];
     }
     leave_out(s, at, behind);
@@ -137,14 +139,12 @@ void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const doubl
     from = from > s->from ? from : s->from;
     until = until < s->until ? until : s->until;
 
-    const uint32_t first = skyline_find(s, start, from);
-    uint32_t last = first;
+    uint32_t first = skyline_find(s, start, from), last = first, before = first;
     size_t n = 0;
     bool higher = false;
     const skyline_piece *p = s->pieces;
-    if (p[first].from < from) n = put(s->cuts, n, p[first].from, &p[first]);
-    for (double left = from;; last = p[last].next) {
-        const double end = p[p[last].next].from, right = end < until ? end : until;
+    for (double left = from;; before = last, last = s->next[last]) {
+        const double end = p[s->next[last]].from, right = end < until ? end : until;
         const double left_w = p[last].a + p[last].b * left, right_w = p[last].a + p[last].b * right;
         const double left_e = edge.a + edge.b * left, right_e = edge.a + edge.b * right;
         const double over_left = left_e - left_w, over_right = right_e - right_w;
@@ -159,13 +159,21 @@ void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const doubl
             const double low = (left_w < right_w ? left_w : right_w) - (double)p[last].below, below = edge.a - low;
             if (below > (double)edge.below) edge.below = below < 1e30 ? nextafterf((float)below, INFINITY) : INFINITY;
         }
+        if (!(over_left > 0 || over_right > 0)) {
+            leave_room(&s->pieces[last], rounding + skyline_larger(over_left, over_right));
+            if (higher) n = put(s->cuts, n, left, &p[last]);
+            if (end >= until) break;
+            left = right;
+            continue;
+        }
+        if (!higher) { /* nothing changes but from the piece before here on, as the edge may go on with its line */
+            first = before;
+            if (p[first].from < left) n = put(s->cuts, n, p[first].from, &p[first]);
+            higher = true;
+        }
         if (over_left > 0 && over_right > 0) {
             edge.above = rounded_up((double)p[last].above + rounding + skyline_larger(-over_left, -over_right));
             n = put(s->cuts, n, left, &edge);
-            higher = true;
-        } else if (!(over_left > 0 || over_right > 0)) {
-            leave_room(&s->pieces[last], rounding + skyline_larger(over_left, over_right));
-            n = put(s->cuts, n, left, &p[last]);
         } else {
             edge.above = rounded_up((double)p[last].above + rounding);
             leave_room(&s->pieces[last], rounding);
@@ -173,7 +181,6 @@ void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const doubl
             middle = middle < left ? left : middle > right ? right : middle;
             n = put(s->cuts, n, left, over_left > 0 ? &edge : &p[last]);
             n = put(s->cuts, n, middle, over_left > 0 ? &p[last] : &edge);
-            higher = true;
         }
         if (end >= until) {
             if (end > until) n = put(s->cuts, n, until, &p[last]);
@@ -189,8 +196,8 @@ void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const doubl
 double cw_skyline_least(const skyline *s, uint32_t start, double from, double until) {
     const skyline_piece *p = s->pieces;
     double least = INFINITY;
-    for (uint32_t k = skyline_find(s, start, from); p[k].from < until || k == start; k = p[k].next) {
-        const double end = p[p[k].next].from;
+    for (uint32_t k = skyline_find(s, start, from); p[k].from < until || k == start; k = s->next[k]) {
+        const double end = p[s->next[k]].from;
         const double left = p[k].from > from ? p[k].from : from, right = end < until ? end : until;
         const double one = p[k].a + p[k].b * left, other = p[k].a + p[k].b * right;
         const double w = (one < other ? one : other) - (double)p[k].below;

@@ -24,13 +24,15 @@ static inline double skyline_larger(double a, double b) { return a > b ? a : b; 
 typedef struct skyline_piece {
     double from; /* up to where the next one begins */
     double a, b;
-    float below;   /* the truth may be lower by that */
-    float above;   /* and higher by that, since rounding may have left out a higher edge */
-    uint32_t next; /* 0 is the end: piece 0 begins at infinity */
+    float below; /* the truth may be lower by that */
+    float above; /* and higher by that, since rounding may have left out a higher edge */
 } skyline_piece;
 
 typedef struct skyline {
     skyline_piece *pieces;
+    /* Of each piece; 0 is the end: piece 0 begins at infinity. Walks wait for it, so it is not in the pieces, whose place takes longer
+     * to find. */
+    uint32_t *next;
     uint32_t count, room, unused; /* unused: a list of pieces */
     skyline_piece *cuts;          /* the parts into which an edge cuts pieces */
     size_t cuts_room;
@@ -51,7 +53,7 @@ void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const doubl
 /* The last piece that begins at or before u; start begins there or before. */
 static inline uint32_t skyline_find(const skyline *s, uint32_t start, double u) {
     const skyline_piece *p = s->pieces;
-    while (p[p[start].next].from <= u) start = p[start].next;
+    while (p[s->next[start]].from <= u) start = s->next[start];
     return start;
 }
 
@@ -63,7 +65,7 @@ static inline void skyline_at(const skyline *s, uint32_t *at, double u, double *
     uint32_t k = *at;
     *high = p[k].a + p[k].b * u;
     *low = *high - (double)p[k].below;
-    for (k = p[k].next; p[k].from < u + SKYLINE_BLUR; k = p[k].next) {
+    for (k = s->next[k]; p[k].from < u + SKYLINE_BLUR; k = s->next[k]) {
         const double w = p[k].a + p[k].b * u, under = w - (double)p[k].below;
         *high = w > *high ? w : *high;
         *low = under < *low ? under : *low;
@@ -82,9 +84,9 @@ static inline bool skyline_at_closely(const skyline *s, uint32_t at, double u, d
     *low = INFINITY;
     *high = -INFINITY;
     *doubt = 0;
-    for (uint32_t k = at; k == at || p[k].from < u + SKYLINE_BLUR; k = p[k].next) {
+    for (uint32_t k = at; k == at || p[k].from < u + SKYLINE_BLUR; k = s->next[k]) {
         if (p[k].below > 0) return false;
-        if (p[p[k].next].from < u - 0x1p-40 || p[k].from > u + 0x1p-40) continue;
+        if (p[s->next[k]].from < u - 0x1p-40 || p[k].from > u + 0x1p-40) continue;
         const double w = p[k].a + p[k].b * u, here = (double)p[k].above + skyline_rounding(w, p[k].b);
         *high = w > *high ? w : *high;
         *low = w < *low ? w : *low;

@@ -56,18 +56,20 @@ static long bin_begin(const sweep_part *p, double r, size_t b) {
     return before + ((double)before < at && before < p->length);
 }
 
-/* Samples of a row about which nothing is open. */
+/* Samples of a row about which nothing is open: bits from the first on. */
 typedef struct span {
-    long first, count;
+    long first;
+    uint64_t which;
     const float *z;
     const double *rise, *error;
 } span;
 
 static uint64_t hand_on(const sweep_part *p, long row, const span *s) {
-    if (s->count == 0) return 0;
+    if (s->which == 0) return 0;
     const sweep_span all = {.i = (size_t)(p->swapped ? row : s->first),
                             .j = (size_t)(p->swapped ? s->first : row),
-                            .count = (size_t)s->count,
+                            .count = SWEEP_SPAN_MOST - (size_t)__builtin_clzll(s->which),
+                            .which = s->which,
                             .down = p->swapped,
                             .z = s->z,
                             .rise = s->rise,
@@ -75,12 +77,11 @@ static uint64_t hand_on(const sweep_part *p, long row, const span *s) {
     return p->visit_span(p->context, &all);
 }
 
-static void append(const sweep_part *p, long row, span *seen, long i) {
-    if (seen->first + seen->count != i) {
-        hand_on(p, row, seen);
-        *seen = (span){.first = i};
-    }
-    seen->count++;
+/* Makes room in it for sample i. */
+static inline void begin_at(const sweep_part *p, long row, span *seen, long i) {
+    if (seen->which != 0 && i < seen->first + SWEEP_SPAN_MOST) return;
+    hand_on(p, row, seen);
+    *seen = (span){.first = i};
 }
 
 /* Samples' starts: the piece of the skyline that begins between a sample and the one before it, or 0. Pieces are as narrow as cells, so
@@ -91,27 +92,36 @@ static void find_starts(sweep_part *p, double r, long begin, long end, uint32_t 
     if (begin >= end) return;
     memset(p->starts + begin, 0, (size_t)(end - begin) * sizeof *p->starts);
     p->starts[begin] = start = skyline_find(&p->line, start, ((double)begin - aside) / r);
-    for (uint32_t k = s[start].next; s[k].from < last; k = s[k].next) p->starts[(long)(s[k].from * r + aside) + 1] = k;
+    const uint32_t *next = p->line.next;
+    for (uint32_t k = next[start]; s[k].from < last; k = next[k]) p->starts[(long)(s[k].from * r + aside) + 1] = k;
 }
 
 /* Passes samples of the row, off the range's ends, that one piece of the skyline shows to be seen or hidden. Returns the first sample
  * that needs more. */
 static long pass_decided(const sweep_part *p, long row, long i, long end, uint32_t *start, span *seen) {
     const double r = sweep_distance(p, row), per_row = 1 / r, error = sweep_error(p, r), margin = p->margin;
-    const bool right = p->from >= 0, ground = p->target == 0;
+    const bool right = p->from >= 0;
+    const double faces = p->target == 0 ? margin : INFINITY, around = p->around_most * r;
     /* The triangle before sample i, seen from the eye: on its left if the range lies right of the eye. */
     const double *leans = right == (p->outward > 0) ? p->front : p->back;
-    for (; i < end; i++) {
-        const double lean = leans[i - right], u = ((double)i - p->aside) * per_row, h = p->far_height[i] + p->target,
-                     top = h * per_row;
-        p->starts[i] = *start = p->starts[i] ? p->starts[i] : *start;
-        if (ground && lean > margin) continue;
-        const skyline_piece *piece = p->line.pieces + *start;
-        const double rise = piece->a + piece->b * u;
-        if (p->line.pieces[piece->next].from < u + SKYLINE_BLUR) break;
-        if (top < rise - (double)piece->below - error) continue;
-        if (!(top > rise + error && lean < -margin) || reaches_around(p, u, r, h)) break;
-        append(p, row, seen, i);
+    for (bool open = false; i < end && !open;) {
+        begin_at(p, row, seen, i);
+        const long first = seen->first, last = end < first + SWEEP_SPAN_MOST ? end : first + SWEEP_SPAN_MOST;
+        for (; i < last; i++) {
+            const double lean = leans[i - right], u = ((double)i - p->aside) * per_row,
+                         h = p->far_height[i] + p->target, top = h * per_row;
+            const uint32_t k = p->starts[i] ? p->starts[i] : *start;
+            p->starts[i] = *start = k;
+            const skyline_piece *piece = p->line.pieces + k;
+            const double rise = piece->a + piece->b * u;
+            /* No branches, which could not be foreseen. */
+            const bool hidden = lean > faces, alone = p->line.pieces[p->line.next[k]].from >= u + SKYLINE_BLUR,
+                       below = top < rise - (double)piece->below - error,
+                       above = (top > rise + error) & (lean < -margin);
+            open = !(hidden | (alone & (below | above))) || (above & (h <= around) && reaches_around(p, u, r, h));
+            if (open) break;
+            seen->which |= (uint64_t)above << (i - first);
+        }
     }
     return i;
 }
@@ -126,7 +136,7 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
     const long inner = bin_begin(p, r, 0) + 1,
                outer = !(all || every) && p->target >= 0 ? bin_begin(p, r, p->bins) - 2 : 0;
     find_starts(p, r, begin > inner ? begin : inner, end < outer ? end : outer, start);
-    span seen = {0};
+    span seen = {.which = 0};
     for (long i = begin; i < end; i++) {
         if (i >= inner && i < outer) i = pass_decided(p, row, i, end < outer ? end : outer, &start, &seen);
         if (i == end) break;
@@ -152,7 +162,8 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
             p->ahead = skyline_larger(h * per_row, p->ahead);
         }
         if (every && !all && h * per_row > high + error && leans < -p->margin && !reaches_around(p, u, r, h)) {
-            append(p, row, &seen, i);
+            begin_at(p, row, &seen, i);
+            seen.which |= (uint64_t)1 << (i - seen.first);
             continue;
         }
         double least, most, doubt;
@@ -183,7 +194,8 @@ static void visit_calm(sweep_part *p, long row, const float *far, long begin, lo
     for (long i = begin, stop; i < end; i = stop) {
         start = skyline_find(&p->line, start, ((double)i - p->aside) * per_row - SKYLINE_BLUR);
         const skyline_piece *piece = p->line.pieces + start;
-        const double next = p->line.pieces[piece->next].from, a = piece->a, b = piece->b, above = (double)piece->above;
+        const double next = p->line.pieces[p->line.next[start]].from, a = piece->a, b = piece->b;
+        const double above = (double)piece->above;
         stop = end - i < SWEEP_SPAN_MOST ? end : i + SWEEP_SPAN_MOST;
         while (stop > i && next < ((double)(stop - 1) - p->aside) * per_row + SKYLINE_BLUR) stop--;
         const int count = (int)(stop - i);
@@ -195,7 +207,7 @@ static void visit_calm(sweep_part *p, long row, const float *far, long begin, lo
         const double least = count == 0 ? -INFINITY : rise[0] < rise[count - 1] ? rise[0] : rise[count - 1];
         uint64_t left = UINT64_MAX; /* to be visited one by one */
         if (piece->below == 0 && least > -INFINITY && p->around_most * r < least - error * r)
-            left = hand_on(p, row, &(span){i, count, far + i, rise, wide});
+            left = hand_on(p, row, &(span){i, UINT64_MAX >> (SWEEP_SPAN_MOST - count), far + i, rise, wide});
         else
             stop = count > 0 ? stop : i + 1;
         if (left == 0) continue;
@@ -259,7 +271,11 @@ static void look_at(sweep_part *p, long row, const float *far, size_t begin, siz
     if (from >= until) return;
     cw_sweep_heights(p, far, row, from, until, p->far_height);
     if (p->near) {
-        cw_sweep_heights(p, p->near, row - p->outward, from, until, p->near_height);
+        /* Before the known ones, and behind them. */
+        const long known = p->known_from < until ? p->known_from : until;
+        const long on = p->known_until > from ? p->known_until : from;
+        cw_sweep_heights(p, p->near, row - p->outward, from, known, p->near_height);
+        cw_sweep_heights(p, p->near, row - p->outward, on > known ? on : known, until, p->near_height);
         cw_sweep_lean(p, r, from, until);
         cw_sweep_add_row(p, r, from, until, start);
     }
@@ -273,8 +289,12 @@ static void look_at(sweep_part *p, long row, const float *far, size_t begin, siz
         at = visit_row(p, row, left, next, at, skyline_larger(high[0], skyline_larger(high[1], high[2])));
         left = next;
     }
-    if (p->near) cw_sweep_add_between(p, r, from, until, start);
+    if (p->near) cw_sweep_add_between(p, r, start);
     if (every || row % LOWS_EVERY == 0) look_again(p, begin, end);
+    if (until - from > p->far_until - p->far_from) { /* of several, the longest */
+        p->far_from = from;
+        p->far_until = until;
+    }
 }
 
 /* No sample from left up to right, and next to them, is higher over the eye. */
@@ -282,8 +302,13 @@ static double highest(const sweep_part *p, const float *z, const sweep_lowering 
     const long from = left > BESIDE ? left - BESIDE : 0,
                until = right + BESIDE < p->length ? right + BESIDE : p->length;
     if (from >= until) return -INFINITY;
-    float high = -INFINITY;
-    for (long i = from; i < until; i++) high = z[i] > high ? z[i] : high;
+    float highs[4] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
+    long i = from;
+    for (; i + 4 <= until; i += 4)
+        for (int k = 0; k < 4; k++) highs[k] = z[i + k] > highs[k] ? z[i + k] : highs[k];
+    for (; i < until; i++) highs[0] = z[i] > highs[0] ? z[i] : highs[0];
+    const float one = highs[0] > highs[1] ? highs[0] : highs[1], other = highs[2] > highs[3] ? highs[2] : highs[3],
+                high = one > other ? one : other;
     /* Between two places the lowering is less than at the lower one by at most that. */
     const double a = (double)from - p->aside, b = (double)until - p->aside;
     const double fall_a = q->one + a * (q->two + a * q->three), fall_b = q->one + b * (q->two + b * q->three);
@@ -295,6 +320,12 @@ static double highest(const sweep_part *p, const float *z, const sweep_lowering 
 static size_t bin_at(const sweep_part *p, double u) {
     const double b = (u - p->from) / p->width;
     return b > 0 ? b < (double)p->bins ? (size_t)b : p->bins : 0;
+}
+
+static void exchange(double **a, double **b) {
+    double *swap = *a;
+    *a = *b;
+    *b = swap;
 }
 
 static void go_on(sweep_part *p, long row, const float *far) {
@@ -339,9 +370,11 @@ static void go_on(sweep_part *p, long row, const float *far) {
         left = right;
     }
     if (active) look_at(p, row, far, begin, until < p->bins ? until : p->bins, run, left);
-    double *swap = p->back;
-    p->back = p->back_before;
-    p->back_before = swap;
+    exchange(&p->back, &p->back_before);
+    exchange(&p->near_height, &p->far_height);
+    p->known_from = p->far_from;
+    p->known_until = p->far_until;
+    p->far_from = p->far_until = 0;
 }
 
 static bool sweep(sweep_part *p, double most) {
@@ -389,14 +422,16 @@ bool cw_sweep_part(const sight *s, unsigned number, double most, double target, 
     p.ahead = -INFINITY;
     const size_t length = (size_t)p.length + 2 * SWEEP_PAD;
     p.of = malloc(sizeof *p.of);
-    double *lines = calloc(6 * length, sizeof *lines);
+    double *lines = calloc(8 * length, sizeof *lines);
     if (p.swapped) p.columns = malloc((SWEEP_COLUMNS + 1) * sweep_columns_stride(&p) * sizeof *p.columns);
     bool good = cw_skyline_init(&p.line, p.from, p.until);
     good = good && p.of && lines && (p.columns || !p.swapped);
     if (good) {
-        double **const line[5] = {&p.near_height, &p.far_height, &p.front, &p.back, &p.back_before};
-        for (size_t k = 0; k < 5; k++) *line[k] = lines + k * length + SWEEP_PAD;
-        p.starts = (uint32_t *)(lines + 5 * length) + SWEEP_PAD; /* piece 0 begins nowhere */
+        double **const line[6] = {&p.near_height, &p.far_height, &p.front, &p.back, &p.back_before, &p.edges};
+        for (size_t k = 0; k < 6; k++) *line[k] = lines + k * length + SWEEP_PAD;
+        p.starts = (uint32_t *)(lines + 6 * length) + SWEEP_PAD; /* piece 0 begins nowhere */
+        p.along = p.starts + length;
+        p.between = p.along + length;
         *p.of = (sweep_bin){-INFINITY, {-INFINITY, -INFINITY, -INFINITY}, SKYLINE_FIRST};
         look_around(&p);
         good = sweep(&p, most);

@@ -21,11 +21,12 @@ typedef struct sweep_way {
  * several threads. */
 typedef void sweep_visit(void *context, size_t i, size_t j, const sweep_way *way);
 
-/* Samples beside one another about which the sweep leaves nothing open: sample k is (i + k, j), or (i, j + k) if they go down a
- * column, and its height is z[k]. Without rise targets are seen; else the steepest rise on the way is rise[k], off by less than
- * error[k]. */
+/* Samples near one another about which the sweep leaves nothing open: those of the bits `which`, the last of which is number
+ * count - 1. Sample k is (i + k, j), or (i, j + k) if they go down a column, and its height is z[k]. Without rise targets are
+ * seen; else the steepest rise on the way is rise[k], off by less than error[k]. */
 typedef struct sweep_span {
     size_t i, j, count;
+    uint64_t which;
     bool down;
     const float *z;
     const double *rise, *error;

@@ -46,36 +46,96 @@ void cw_sweep_heights(const sweep_part *p, const float *z, long row, long begin,
     }
 }
 
+/* The greatest of each lane, as compilers make vectors of no greatest number of all where there may be NaN. */
+enum { LANES = 16 };
+typedef struct greatest {
+    double step[LANES], height[LANES], hole[LANES];
+} greatest;
+
+/* Samples from x on, `count` of them; n, f: of the near row and the far one; a: as in cw_sweep_lean. */
+static inline void lean(const double *restrict n, const double *restrict f, int a, double x, double aside, double r,
+                        int count, double *restrict front, double *restrict back, greatest *restrict most) {
+    const int b = 1 - a;
+    for (int k = 0; k < count; k++) {
+        const double near = n[k + 1] - n[k], far = f[k + 1] - f[k];
+        const double side_a = f[k + a] - n[k + a], side_b = f[k + b] - n[k + b];
+        front[k] = f[k + a] - near * (x + (double)(k + a) - aside) - side_a * r;
+        back[k] = f[k + b] - far * (x + (double)(k + b) - aside) - side_b * r;
+        const double one = fabs(near) + fabs(side_a), other = fabs(far) + fabs(side_b), hole = front[k] + back[k];
+        most->step[k] = skyline_larger(one, skyline_larger(other, most->step[k]));
+        most->height[k] = skyline_larger(fabs(n[k]), skyline_larger(fabs(f[k]), most->height[k]));
+        most->hole[k] = hole == hole ? most->hole[k] : 1;
+    }
+}
+
+/* Whether an edge may be the highest on a way from one triangle into another, which lean like that: then `edge`, else 0. */
+static inline double ridge(double before, double behind, double margin, double edge) {
+    const double faces = before > margin ? 0 : edge;
+    return behind < -margin ? 0 : faces;
+}
+
+/* left, right: of the triangles on both sides of a sample, by which the ways to places on the right of the eye, or on its left, come. */
+static inline void find_ridges(const sweep_part *p, const double *before_side, const double *behind_side, long begin,
+                               long end) {
+    const double margin = p->margin, *front = p->front, *back = p->back, *back_before = p->back_before;
+    double *restrict edges = p->edges;
+    for (long i = begin; i < end; i++)
+        edges[i] = ridge(back_before[i], front[i], margin, SWEEP_ROW) +
+                   ridge(front[i], back[i], margin, SWEEP_DIAGONAL) +
+                   ridge(before_side[i], behind_side[i], margin, SWEEP_SIDE);
+}
+
+/* One edge in eight matters, at places that branches could not foresee. */
+static inline void list_edges(sweep_part *p, long begin, long end) {
+    size_t along = 0, between = 0;
+    for (long i = begin; i < end; i++) {
+        const int edges = (int)p->edges[i];
+        p->along[along] = p->between[between] = (uint32_t)i;
+        along += (edges & SWEEP_ROW) != 0;
+        between += (edges & (SWEEP_SIDE | SWEEP_DIAGONAL)) != 0;
+    }
+    p->along_count = along;
+    p->between_count = between;
+}
+
 void cw_sweep_lean(sweep_part *p, double r, long begin, long end) {
-    const double *n = p->near_height, *f = p->far_height;
-    const long a = p->outward > 0 ? 1 : 0, b = 1 - a; /* diagonals go from sample b of a cell to sample a */
-    double most_step = 0, most_height = 0;
-    bool holes = false;
-    for (long i = begin; i < end - 1; i++) {
-        const double near = n[i + 1] - n[i], far = f[i + 1] - f[i];
-        const double side_a = f[i + a] - n[i + a], side_b = f[i + b] - n[i + b];
-        const double front = f[i + a] - near * ((double)(i + a) - p->aside) - side_a * r;
-        const double back = f[i + b] - far * ((double)(i + b) - p->aside) - side_b * r;
-        p->front[i] = front;
-        p->back[i] = back;
-        most_step = skyline_larger(fabs(near) + fabs(side_a), skyline_larger(fabs(far) + fabs(side_b), most_step));
-        most_height = skyline_larger(fabs(n[i]), skyline_larger(fabs(f[i]), most_height));
-        holes |= isnan(front + back);
+    const int a = p->outward > 0 ? 1 : 0; /* diagonals go from sample 1 - a of a cell to sample a */
+    greatest most = {0};
+    for (long i = begin; i < end - 1; i += LANES)
+        lean(p->near_height + i, p->far_height + i, a, (double)i, p->aside, r,
+             end - 1 - i < LANES ? (int)(end - 1 - i) : LANES, p->front + i, p->back + i, &most);
+    double most_step = 0, most_height = 0, hole = 0;
+    for (int k = 0; k < LANES; k++) {
+        most_step = skyline_larger(most.step[k], most_step);
+        most_height = skyline_larger(most.height[k], most_height);
+        hole += most.hole[k];
     }
     const double *fall = p->sight->fall, wide = (r + 2) * (r + 2);
     const double lowered = (fabs(fall[0]) + fabs(fall[1]) + fabs(fall[2])) * wide;
     const double size = most_height + 2 * (fabs(p->sight->eye[2]) + lowered), near = fmax(r - 1, sweep_first_distance);
-    p->holes |= holes;
+    p->holes |= hole > 0;
     p->step = fmax(p->step, most_step);
     p->snap = fmax(p->snap, most_step / near);
     p->size = fmax(p->size, size / near);
     p->rise = fmax(p->rise, most_height / near);
     p->margin = 0x1p-24 * p->step * r + 0x1p-46 * size * (r + 16);
+    /* On the left of a sample, and on its right. Straight ahead of the eye its edge is on the way, whole. */
+    const double *left = (a ? p->front : p->back) - 1, *right = a ? p->back : p->front;
+    const long before = sweep_clipped(p, p->aside), ahead = before + !((double)before > p->aside),
+               middle = ahead < begin ? begin
+                        : ahead < end ? ahead
+                                      : end;
+    find_ridges(p, right, left, begin, middle);
+    find_ridges(p, left, right, middle, end);
+    for (long i = begin; i < end && r <= sweep_close_rows + 1; i++)
+        p->edges[i] = SWEEP_ROW + SWEEP_SIDE + SWEEP_DIAGONAL;
+    p->edges[end - 1] = (int)p->edges[end - 1] & SWEEP_SIDE; /* the others lead beyond */
+    list_edges(p, begin, end);
 }
 
-/* Whether an edge may be the highest on a way from one triangle into another, which lean like that. */
-static inline bool is_ridge(const sweep_part *p, double before, double behind) {
-    return !(before > p->margin) && !(behind < -p->margin);
+/* The piece with which an edge begins that has its left end in direction u, if narrow edges gain some; sample i is there or before it. */
+static inline uint32_t start_at(const sweep_part *p, uint32_t at, long i, double u) {
+    return skyline_find(&p->line, sweep_start(p, at, i, u - SKYLINE_BLUR), u - SKYLINE_BLUR);
 }
 
 static inline void add(sweep_part *p, uint32_t start, double x0, double r0, double h0, double x1, double r1,
@@ -95,10 +155,10 @@ void cw_sweep_add_row(sweep_part *p, double r, long begin, long end, uint32_t st
     const bool all = r <= sweep_close_rows + 1;
     if (near < sweep_first_distance) return;
     uint32_t at = start;
-    for (long i = begin; i < end - 1; i++) {
-        if (!(all || is_ridge(p, p->back_before[i], p->front[i]))) continue;
+    for (size_t k = 0; k < p->along_count; k++) {
+        const long i = p->along[k];
         const double x = (double)i - p->aside;
-        if (!all) at = skyline_find(&p->line, sweep_start(p, at, i - 3, (x - 3) / near), (x - 3) / near);
+        if (!all) at = start_at(p, at, i, x / near);
         add(p, at, x, near, h[i], x + 1, near, h[i + 1]);
     }
     if (!p->holes) return;
@@ -111,19 +171,17 @@ void cw_sweep_add_row(sweep_part *p, double r, long begin, long end, uint32_t st
     }
 }
 
-void cw_sweep_add_between(sweep_part *p, double r, long begin, long end, uint32_t start) {
+void cw_sweep_add_between(sweep_part *p, double r, uint32_t start) {
     const double *n = p->near_height, *f = p->far_height;
     const bool all = r <= sweep_close_rows + 1;
     const long a = p->outward > 0 ? 1 : 0, b = 1 - a;
-    const double *left_of = a ? p->front : p->back, *right_of = a ? p->back : p->front;
     if (!(r > sweep_first_distance)) return;
-    for (long i = begin; i < end; i++) {
-        const double x = (double)i - p->aside, left = left_of[i - 1], right = right_of[i];
-        const bool side = x != 0 && (all || is_ridge(p, x > 0 ? left : right, x > 0 ? right : left));
-        const bool diagonal = i + 1 < end && (all || is_ridge(p, p->front[i], p->back[i]));
-        if (!(side || diagonal)) continue;
-        if (!all) start = skyline_find(&p->line, sweep_start(p, start, i - 3, (x - 3) / r), (x - 3) / r);
-        if (side) add(p, start, x, r - 1, n[i], x, r, f[i]);
-        if (diagonal) add(p, start, x + (double)b, r - 1, n[i + b], x + (double)a, r, f[i + a]);
+    for (size_t k = 0; k < p->between_count; k++) {
+        const long i = p->between[k];
+        const int edges = (int)p->edges[i];
+        const double x = (double)i - p->aside;
+        if (!all) start = start_at(p, start, x > 0 ? i : i - 1, x / (x > 0 ? r : r - 1));
+        if (edges & SWEEP_SIDE && x != 0) add(p, start, x, r - 1, n[i], x, r, f[i]);
+        if (edges & SWEEP_DIAGONAL) add(p, start, x + (double)b, r - 1, n[i + b], x + (double)a, r, f[i + a]);
     }
 }

@@ -9,6 +9,9 @@
 /* Ranges of directions next to the eye; columns fetched at once; samples beside those between the directions; rows asked for ahead. */
 enum { SWEEP_AROUND = 32, SWEEP_COLUMNS = 16, SWEEP_PAD = 12, SWEEP_AHEAD = 24 };
 
+/* Edges from a sample: along the near row, on to the far one, and across the cell. */
+enum { SWEEP_ROW = 1, SWEEP_SIDE = 2, SWEEP_DIAGONAL = 4 };
+
 /* Up to here all samples are looked at exactly, as edges may be so near to the eye that they do not count, and all
  * edges are added. */
 static const double sweep_close_rows = 3;
@@ -46,6 +49,11 @@ typedef struct sweep_part {
     /* How far the planes of triangles pass over the eye: those at the near row, those at the far one, and those at
      * the far row of the rows before. 0 where that is not known, NaN where there is no triangle. */
     double *front, *back, *back_before;
+    double *edges;             /* from each sample those that matter: a sum of SWEEP_ROW and so on */
+    uint32_t *along, *between; /* samples from which edges of the near row matter, or edges between the rows */
+    size_t along_count, between_count;
+    /* Samples of the near row whose heights are known, and of the far one. */
+    long known_from, known_until, far_from, far_until;
     bool holes;       /* there have been some */
     uint32_t *starts; /* a piece of the skyline that began before each sample, when that was looked at; 0: none */
 
@@ -97,14 +105,14 @@ static inline uint32_t sweep_start(const sweep_part *p, uint32_t at, long i, dou
 /* Heights of a row's samples in these directions and next to them. */
 const float *cw_sweep_fetch(sweep_part *p, long row);
 
-/* Heights over the eye from sample begin up to end, NaN at holes. */
+/* Heights over the eye from sample begin up to end, if there are any, NaN at holes. */
 void cw_sweep_heights(const sweep_part *p, const float *z, long row, long begin, long end, double *h);
 
-/* How the triangles between the near row and the far one lean, at distance r. */
+/* How the triangles between the near row and the far one lean, at distance r, and which edges matter for that. */
 void cw_sweep_lean(sweep_part *p, double r, long begin, long end);
 
 /* Edges of the near row, and those between the rows, that matter are added to the skyline; start: a piece before them. */
 void cw_sweep_add_row(sweep_part *p, double r, long begin, long end, uint32_t start);
-void cw_sweep_add_between(sweep_part *p, double r, long begin, long end, uint32_t start);
+void cw_sweep_add_between(sweep_part *p, double r, uint32_t start);
 
 #endif

@@ -69,15 +69,14 @@ static uint64_t see_span(void *context, const sweep_span *s) {
     const job *q = context;
     const size_t end = s->count - 1, first = place_of(q, s->i, s->j),
                  last = place_of(q, s->down ? s->i : s->i + end, s->down ? s->j + end : s->j);
-    if (!q->v->limits.any && !q->to.sum && !q->to.angle && first != SIZE_MAX && last != SIZE_MAX) {
-        uint16_t *seen = q->to.seen + first;
-        const size_t step = s->down ? q->area.stride : 1;
-        for (size_t k = 0; k < s->count; k++) seen[k * step]++;
-        return 0;
-    }
-    for (size_t k = 0; k < s->count; k++) {
-        const size_t at = place_in(q, s, k);
-        if (at != SIZE_MAX) put_seen(q, s->down ? s->i : s->i + k, s->down ? s->j + k : s->j, at);
+    const bool plain = !q->v->limits.any && !q->to.sum && !q->to.angle && first != SIZE_MAX && last != SIZE_MAX;
+    const size_t step = s->down ? q->area.stride : 1;
+    for (uint64_t left = s->which; left != 0; left &= left - 1) {
+        const size_t k = (size_t)__builtin_ctzll(left), at = plain ? first + k * step : place_in(q, s, k);
+        if (plain)
+            q->to.seen[at]++;
+        else if (at != SIZE_MAX)
+            put_seen(q, s->down ? s->i : s->i + k, s->down ? s->j + k : s->j, at);
     }
     return 0;
 }
@@ -120,7 +119,7 @@ static uint64_t measure_span(void *context, const sweep_span *s) {
     }
     for (size_t k = 0; k < s->count; k++) {
         const size_t at = place_in(q, s, k);
-        if (at == SIZE_MAX) continue;
+        if (at == SIZE_MAX || !(s->which >> k & 1)) continue;
         if (s->rise && open[k])
             left |= (uint64_t)1 << k;
         else
