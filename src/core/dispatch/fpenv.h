@@ -1,38 +1,41 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The IEEE default environment for the time of a query: round to nearest, denormals kept, exceptions masked. Under
- * flush-to-zero or another rounding mode, a caller would get other bits, and leaks. On x86-64 only MXCSR is set.
- * Rejected: fesetenv(FE_DFL_ENV), which also reloads the x87 state, unused here, and takes ten times as long. On
- * aarch64 FPCR is set to 0: glibc's FE_DFL_ENV does not change the bits of later architectures. Elsewhere FE_DFL_ENV
- * is used. */
+ * flush-to-zero or another rounding mode, a caller would get other bits, and leaks. On x86-64 only MXCSR is set, on
+ * aarch64 FPCR: to 0, as glibc's FE_DFL_ENV does not change the bits of later architectures. Elsewhere FE_DFL_ENV is
+ * used.
+ *
+ * Exception flags that a query raises stay raised. Rejected: to take them back, as an Intel CPU (Granite Rapids) waits to
+ * read what was written, until all before is done: the next ray took 1.6 times as long. Rejected too:
+ * fesetenv(FE_DFL_ENV), which also reloads the x87 state, unused here, and takes ten times as long. */
 #ifndef CELLWALK_CORE_FPENV_H
 #define CELLWALK_CORE_FPENV_H
+
+#include <stdbool.h>
 
 #if defined(__SSE__)
 typedef unsigned fpenv;
 enum { FPENV_DEFAULT = 0x1f80, FPENV_FLAGS = 0x3f }; /* MXCSR after reset; its exception flags, which change nothing */
+static inline bool fpenv_is_default(fpenv e) { return (e & ~(unsigned)FPENV_FLAGS) == FPENV_DEFAULT; }
 static inline fpenv fpenv_enter(void) {
     const fpenv caller = __builtin_ia32_stmxcsr();
-    if ((caller & ~(unsigned)FPENV_FLAGS) != FPENV_DEFAULT) __builtin_ia32_ldmxcsr(FPENV_DEFAULT);
+    if (!fpenv_is_default(caller)) __builtin_ia32_ldmxcsr(FPENV_DEFAULT);
     return caller;
 }
-/* Also drops the exception flags that the query raised. */
-static inline void fpenv_leave(fpenv caller) { __builtin_ia32_ldmxcsr(caller); }
+static inline void fpenv_leave(fpenv caller) {
+    if (!fpenv_is_default(caller)) __builtin_ia32_ldmxcsr(caller);
+}
 #elif defined(__aarch64__)
 #include <stdint.h>
-typedef struct fpenv {
-    uint64_t fpcr, fpsr; /* control; exception flags */
-} fpenv;
+typedef uint64_t fpenv;
+enum { FPENV_FLAGS = 0 }; /* these are elsewhere */
 static inline fpenv fpenv_enter(void) {
     fpenv caller;
-    __asm__ volatile("mrs %0, fpcr" : "=r"(caller.fpcr)::"memory");
-    __asm__ volatile("mrs %0, fpsr" : "=r"(caller.fpsr)::"memory");
-    if (caller.fpcr != 0) __asm__ volatile("msr fpcr, %0" ::"r"((uint64_t)0) : "memory");
+    __asm__ volatile("mrs %0, fpcr" : "=r"(caller)::"memory");
+    if (caller != 0) __asm__ volatile("msr fpcr, %0" ::"r"((uint64_t)0) : "memory");
     return caller;
 }
-/* Also drops the exception flags that the query raised. */
 static inline void fpenv_leave(fpenv caller) {
-    __asm__ volatile("msr fpsr, %0" ::"r"(caller.fpsr) : "memory");
-    if (caller.fpcr != 0) __asm__ volatile("msr fpcr, %0" ::"r"(caller.fpcr) : "memory");
+    if (caller != 0) __asm__ volatile("msr fpcr, %0" ::"r"(caller) : "memory");
 }
 #else
 #include <fenv.h>
