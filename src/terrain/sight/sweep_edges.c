@@ -46,7 +46,7 @@ void cw_sweep_heights(const sweep_part *p, const float *z, long row, long begin,
     }
 }
 
-/* The greatest of each lane, as compilers make vectors of no greatest number of all where there may be NaN. */
+/* Each lane has its greatest: where there may be NaN, compilers make vectors of that, and not of one number for all. */
 enum { LANES = 16 };
 typedef struct greatest {
     double step[LANES], height[LANES], hole[LANES];
@@ -74,7 +74,8 @@ static inline double ridge(double before, double behind, double margin, double e
     return behind < -margin ? 0 : faces;
 }
 
-/* left, right: of the triangles on both sides of a sample, by which the ways to places on the right of the eye, or on its left, come. */
+/* before_side, behind_side: of the triangles beside a sample's edge to the far row, in the order in which ways out from the eye meet
+ * them. */
 static inline void find_ridges(const sweep_part *p, const double *before_side, const double *behind_side, long begin,
                                long end) {
     const double margin = p->margin, *front = p->front, *back = p->back, *back_before = p->back_before;
@@ -119,7 +120,7 @@ void cw_sweep_lean(sweep_part *p, double r, long begin, long end) {
     p->size = fmax(p->size, size / near);
     p->rise = fmax(p->rise, most_height / near);
     p->margin = 0x1p-24 * p->step * r + 0x1p-46 * size * (r + 16);
-    /* On the left of a sample, and on its right. Straight ahead of the eye its edge is on the way, whole. */
+    /* On the left of a sample, and on its right. Ways on the left of the eye go to the left. */
     const double *left = (a ? p->front : p->back) - 1, *right = a ? p->back : p->front;
     const long before = sweep_clipped(p, p->aside), ahead = before + !((double)before > p->aside),
                middle = ahead < begin ? begin
