@@ -36,7 +36,7 @@ typedef struct value {
 /* Of the floating-point environment in which functions are called; FP_MODES and above: as it is. 0 where fpenv.h has no numbers for it. */
 #if defined(__SSE__) || defined(__aarch64__)
 enum { FP_MODES = 16 };
-#define FP_CHANGED(A, B) ((((A) ^ (B)) & ~(fpenv)FPENV_FLAGS) != 0)
+#define FP_CHANGED(A, B) (mode < FP_MODES && (((A) ^ (B)) & ~(fpenv)FPENV_FLAGS) != 0)
 #else
 enum { FP_MODES = 0 };
 #define FP_CHANGED(A, B) false
@@ -283,8 +283,7 @@ static int obey(char **words, io_error *e) {
 #undef X
     const fpenv after = fpenv_enter();
     fpenv_leave(before);
-    if (mode < FP_MODES && FP_CHANGED(after, wanted))
-        how = io_fail(e, "%s changes the floating-point environment", words[0]);
+    if (FP_CHANGED(after, wanted)) how = io_fail(e, "%s changes the floating-point environment", words[0]);
     for (size_t k = 0; k < WORDS; k++)
         if (!let_go(&v[k], out)) how = io_fail(e, "%s writes beside its argument %zu", words[0], k);
     stop_unless(fclose(in) == 0 && fclose(out) == 0, "in or out");

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The IEEE default environment for the time of a query: round to nearest, denormals kept, exceptions masked. Under
- * flush-to-zero or another rounding mode, a caller would get other bits, and leaks. On x86-64 only MXCSR is set, on
- * aarch64 FPCR: to 0, as glibc's FE_DFL_ENV does not change the bits of later architectures. Elsewhere FE_DFL_ENV is
- * used.
- *
- * Exception flags that a query raises stay raised. Rejected: to take them back, as an Intel CPU (Granite Rapids) waits to
- * read what was written, until all before is done: the next ray took 1.6 times as long. Rejected too:
+/* The IEEE default environment for the time of a query: round to nearest, denormals kept, exceptions masked. Under flush-to-zero or another
+ * rounding mode, a caller would get other bits, and leaks. On x86-64 only MXCSR is set, on aarch64 FPCR: glibc's FE_DFL_ENV does not change
+ * the bits of later architectures. Elsewhere it is used. Exception flags that a query raises stay raised. Rejected: to take them back, as an
+ * Intel CPU (Granite Rapids) waits to read what was written until all before is done: a ray a call took 1.6 times as long; and
  * fesetenv(FE_DFL_ENV), which also reloads the x87 state, unused here, and takes ten times as long. */
 #ifndef CELLWALK_CORE_FPENV_H
 #define CELLWALK_CORE_FPENV_H
