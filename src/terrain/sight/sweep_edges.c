@@ -157,7 +157,7 @@ void cw_sweep_add_row(sweep_part *p, double r, long begin, long end, uint32_t st
     if (near < sweep_first_distance) return;
     uint32_t at = start;
     for (size_t k = 0; k < p->along_count; k++) {
-        const long i = p->along[k];
+        const long i = (long)p->along[k];
         const double x = (double)i - p->aside;
         if (!all) at = start_at(p, at, i, x / near);
         add(p, at, x, near, h[i], x + 1, near, h[i + 1]);
@@ -178,7 +178,7 @@ void cw_sweep_add_between(sweep_part *p, double r, uint32_t start) {
     const long a = p->outward > 0 ? 1 : 0, b = 1 - a;
     if (!(r > sweep_first_distance)) return;
     for (size_t k = 0; k < p->between_count; k++) {
-        const long i = p->between[k];
+        const long i = (long)p->between[k];
         const int edges = (int)p->edges[i];
         const double x = (double)i - p->aside;
         if (!all) start = start_at(p, start, x > 0 ? i : i - 1, x / (x > 0 ? r : r - 1));
