@@ -23,8 +23,8 @@
  * cw_last_error. Unless a function says otherwise, its outputs are untouched on an error. Functions without a status are not
  * checked: no argument may be NULL. Arrays may be NULL if nothing is in them: for n = 0 and for an empty rectangle.
  *
- * Floating point. Calls compute in the IEEE default environment (round to nearest, denormals kept) and restore the caller's, but that
- * exception flags which they raise stay raised. Callbacks run in either of the two.
+ * Floating point. Calls compute in the IEEE default environment (round to nearest, denormals kept) and restore the caller's rounding,
+ * treatment of denormals and masks. Exception flags that they raise stay raised. Callbacks run in either environment.
  *
  * Growing. This header and the library keep source and binary compatibility within a major version. Enumerations are int32_t, and
  * their numbers are never used again. Structs that the caller fills end in reserved members, which must be zero: later versions

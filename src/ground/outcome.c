@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* Quantiles of a million values are known to a thousandth of their rank. */
-enum { KEPT_MOST = 1 << 20, COUNTED_MOST = 1 << 30 };
+enum { KEPT_MOST = 1 << 20 };
 
 bool outcome_begin(outcome *o, size_t values, io_error *error) {
     *o = (outcome){.low = INFINITY, .high = -INFINITY, .step = values / KEPT_MOST + 1};
@@ -36,20 +36,18 @@ static float number(const io_raster_product *p, const void *cells, size_t k) {
 
 void outcome_take(outcome *o, const io_raster_product *p, const void *cells, size_t n) {
     float low = INFINITY, high = -INFINITY;
-    for (size_t k = 0, end; k < n; k = end) {
-        unsigned holes = 0, above = 0; /* size_t would halve the speed */
-        for (end = n - k < COUNTED_MOST ? n : k + COUNTED_MOST; k < end; k++) {
-            const bool hole = is_hole(p, cells, k);
-            holes += hole;
-            above += !hole & (number(p, cells, k) > 0);
-        }
-        o->holes += holes;
-        o->above += above;
+    size_t holes = 0, above = 0;
+    for (size_t k = 0; k < n; k++) {
+        const bool hole = is_hole(p, cells, k);
+        holes += hole;
+        above += !hole & (number(p, cells, k) > 0);
     }
     if (p->cell == IO_CELL_FLOAT32) extremes_of(cells, n, &low, &high);
     for (size_t k = (o->step - o->samples % o->step) % o->step; k < n; k += o->step)
         if (!is_hole(p, cells, k) && o->count < o->room) o->kept[o->count++] = number(p, cells, k);
     o->samples += n;
+    o->holes += holes;
+    o->above += above;
     o->low = low < o->low ? low : o->low;
     o->high = high > o->high ? high : o->high;
 }

@@ -86,7 +86,7 @@ static inline void find_ridges(const sweep_part *p, const double *before_side, c
                    ridge(before_side[i], behind_side[i], margin, SWEEP_SIDE);
 }
 
-/* One edge in eight matters, at places that branches could not foresee. */
+/* Takes no branch a sample: one edge in eight matters, at places that could not be foreseen. */
 static inline void list_edges(sweep_part *p, long begin, long end) {
     size_t along = 0, between = 0;
     for (long i = begin; i < end; i++) {
@@ -134,7 +134,8 @@ void cw_sweep_lean(sweep_part *p, double r, long begin, long end) {
     list_edges(p, begin, end);
 }
 
-/* The piece with which an edge begins that has its left end in direction u, if narrow edges gain some; sample i is there or before it. */
+/* A piece that begins before an edge whose left end is in direction u, and before what a narrow one gains there. Sample i is in that
+ * direction or left of it. */
 static inline uint32_t start_at(const sweep_part *p, uint32_t at, long i, double u) {
     return skyline_find(&p->line, sweep_start(p, at, i, u - SKYLINE_BLUR), u - SKYLINE_BLUR);
 }

@@ -108,7 +108,7 @@ const float *cw_sweep_fetch(sweep_part *p, long row);
 /* Heights over the eye from sample begin up to end, if there are any, NaN at holes. */
 void cw_sweep_heights(const sweep_part *p, const float *z, long row, long begin, long end, double *h);
 
-/* How the triangles between the near row and the far one lean, at distance r, and which edges matter for that. */
+/* How the triangles between the near row and the far one lean, at distance r. Lists the edges that may then be the highest on a way. */
 void cw_sweep_lean(sweep_part *p, double r, long begin, long end);
 
 /* Edges of the near row, and those between the rows, that matter are added to the skyline; start: a piece before them. */
