@@ -19,6 +19,8 @@ enum { CHILDREN = 16, CHILD_VECTORS = CHILDREN / W };
 static const float lane_x[2][CHILDREN] = {{3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0},
                                           {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3}};
 static const float lane_y[CHILDREN] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+/* Columns are the same in each row, so vectors of whole rows share what follows from them. */
+enum { COLUMNS_STEP = W < 4 ? W : 0 };
 
 /* A mask of lanes in walk order. */
 static inline unsigned in_walk_order(unsigned lanes, bool up_x) {

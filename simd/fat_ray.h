@@ -154,7 +154,7 @@ static inline vfloat fat_out(const fat_axis *a, vfloat border) {
  * start_y are the mirrored borders at which walk order begins. */
 static inline vmask fat_meets(const fat_ray *a, vfloat start_x, vfloat start_y, vfloat side, size_t k, vfloat low,
                               vfloat high) {
-    const vfloat x = vf_add(start_x, vf_mul(vf_load(lane_x[a->up_x] + k * W), side));
+    const vfloat x = vf_add(start_x, vf_mul(vf_load(lane_x[a->up_x] + k * COLUMNS_STEP), side));
     const vfloat y = vf_add(start_y, vf_mul(vf_load(lane_y + k * W), side));
     const vfloat t0 = vf_max(vf_max(fat_in(&a->x, x), fat_in(&a->y, y)), a->from);
     const vfloat t1 = vf_min(vf_min(fat_out(&a->x, vf_add(x, side)), fat_out(&a->y, vf_add(y, side))), a->until);

@@ -20,8 +20,8 @@
 #include "children.h"
 #include "kernels.h"
 #include "lane_queue.h"
+#include "one_ray.h"
 #include "pyramid.h"
-#include "vector_rays.h"
 #include "vector_watertight.h"
 
 #include <float.h>
@@ -31,11 +31,11 @@
  * (papers/walks.md). */
 enum { SOON_CELLS = 8, LOW_HEIGHT = 8, OPENS = 48 };
 
-/* The ray in all lanes, mirrored so that it goes up along both axes, which no operation rounds differently. */
+/* The ray's crossings in all lanes, mirrored. */
 typedef struct one_lanes {
     vfloat center[2], inverse[2];
     bool up_x, up_y;
-    float sign[2], shift[2]; /* a node's low corner in mirrored numbers of its children: sign · number - shift */
+    int32_t mirror_x, mirror_y; /* 4 · number XOR this: mirrored number of a node's first child in walk order */
 } one_lanes;
 
 /* The find of a leaf test in cell (i, j): see strict_find. */
@@ -43,6 +43,7 @@ typedef struct one_find {
     int32_t i, j;
     float t0, t1;
     bool b;
+    bool plain; /* the ray is: see one_ray */
 } one_find;
 
 /* The children of a node in lanes k W and on. */
@@ -51,17 +52,13 @@ typedef struct one_children {
     vfloat x_in, y_in, x_out, y_out;
 } one_children;
 
-/* Of the children of node number n along an axis. Whole numbers, which nothing rounds; what depends on n comes last. */
-CW_INLINE vfloat low_corners(const one_lanes *a, int axis, int32_t n, const float *lanes, vfloat side) {
-    const vfloat first = vf_mul(vf_sub(vf_load(lanes), vf_set(a->shift[axis])), side);
-    return vf_add(vf_mul(vf_set((float)(4 * n)), vf_mul(vf_set(a->sign[axis]), side)), first);
-}
-
+/* Of node (x, y), whose children have that side. Whole numbers, which nothing rounds. */
 CW_INLINE one_children children_of(const one_lanes *a, int32_t x, int32_t y, float side, size_t k) {
     one_children c;
     const vfloat s = vf_set(side);
-    c.x = low_corners(a, 0, x, lane_x[a->up_x] + k * W, s);
-    c.y = low_corners(a, 1, y, lane_y + k * W, s);
+    const float first_x = (float)(4 * x ^ a->mirror_x), first_y = (float)(4 * y ^ a->mirror_y);
+    c.x = vf_mul(vf_add(vf_set(first_x), vf_load(lane_x[a->up_x] + k * COLUMNS_STEP)), s);
+    c.y = vf_mul(vf_add(vf_set(first_y), vf_load(lane_y + k * W)), s);
     c.x_in = vf_mul(vf_sub(c.x, a->center[0]), a->inverse[0]);
     c.y_in = vf_mul(vf_sub(c.y, a->center[1]), a->inverse[1]);
     c.x_out = vf_mul(vf_sub(vf_add(c.x, s), a->center[0]), a->inverse[0]);
@@ -122,35 +119,26 @@ static inline bool test_block(const one_lanes *a, const vray *r, const cw_field 
     return false;
 }
 
-static inline strict_axis axis_of(const vaxis *a) {
-    return (strict_axis){.org = vf_lane(&a->org, 0),
-                         .dir = vf_lane(&a->dir, 0),
-                         .center = vf_lane(&a->center, 0),
-                         .inverse = vf_lane(&a->inverse, 0),
-                         .step = vf_lane(&a->step, 0) > 0 ? 1 : -1};
-}
-
 /* True if the ray hits nothing in node (x, y) of a level. */
-static inline bool slab_misses(const vray *r, const cw_field *f, int level, int32_t x, int32_t y) {
+static inline bool slab_misses(const one_ray *r, const cw_field *f, int level, int32_t x, int32_t y) {
     const struct cw_pyramid *p = f->pyramid;
     const int32_t side = (int32_t)4 << 2 * level;
     const cw_pyramid_slab *s =
         &p->slab[(size_t)p->first[level + 1] + (size_t)y * cw_pyramid_across(f, level) + (size_t)x];
     const float *bounds = cw_pyramid_node(&p->level[level], (size_t)x, (size_t)y);
     if (!(s->low <= s->high)) return true;
-    const strict_axis axis[2] = {axis_of(&r->x), axis_of(&r->y)};
     const int32_t corner[2] = {x * side, y * side};
-    float t0 = vf_lane(&r->from, 0), t1 = vf_lane(&r->until, 0);
+    float t0 = r->from, t1 = r->until;
     for (int c = 0; c < 2; c++) {
-        const bool up = axis[c].step > 0;
-        t0 = max_second(t0, strict_crossing(&axis[c], (float)(corner[c] + (up ? 0 : side))));
-        t1 = min_second(t1, strict_crossing(&axis[c], (float)(corner[c] + (up ? side : 0))));
+        const bool up = c == 0 ? r->up_x : r->up_y;
+        const float low_border = up ? (float)corner[c] : -(float)(corner[c] + side);
+        t0 = max_second(t0, (low_border - r->center[c]) * r->inverse[c]);
+        t1 = min_second(t1, (low_border + (float)side - r->center[c]) * r->inverse[c]);
     }
     const double u = (double)(FLT_EPSILON / 2), low = (double)s->low, high = (double)s->high, half = 0.5 * side;
-    const double oz = (double)vf_lane(&r->oz, 0), dz = (double)vf_lane(&r->dz, 0), a = (double)s->slope_x,
-                 b = (double)s->slope_y;
-    const double dx = (double)axis[0].dir, dy = (double)axis[1].dir;
-    const double px = (double)axis[0].org - (corner[0] + half), py = (double)axis[1].org - (corner[1] + half);
+    const double oz = (double)r->org[2], dz = (double)r->dir[2], a = (double)s->slope_x, b = (double)s->slope_y;
+    const double dx = (double)r->dir[0], dy = (double)r->dir[1];
+    const double px = (double)r->org[0] - (corner[0] + half), py = (double)r->org[1] - (corner[1] + half);
     const double steep = fabs(a) + fabs(b), sigma = steep + (high - low),
                  absolute = max_second_d(fabs(low), fabs(high));
     /* Slabs with a slope have been set outward for rays from anywhere (cw_slab_outward). That is taken back, and replaced by
@@ -167,44 +155,32 @@ static inline bool slab_misses(const vray *r, const cw_field *f, int level, int3
     return min_second_d(d0, d1) > high + pad || max_second_d(d0, d1) < low - pad;
 }
 
-/* Number of the cell at t along an axis, or of an earlier one, within the field. See first_corner in lane_rays.h. */
-CW_INLINE int32_t cell_at(const vaxis *a, vfloat t, size_t samples) {
-    const vfloat org = vf_mul(a->step, a->org), size = vf_add(vf_abs(org), vf_set((float)samples));
-    const vfloat early = vf_sub(org, vf_mul(vf_set(0x1p-21f), size)), last = vf_mul(a->step, a->last);
-    const vfloat place = vf_min(vf_add(early, vf_mul(t, vf_mul(a->step, a->dir))), vf_sub(last, vf_set(0.5f)));
-    const vfloat at = vf_floor(vf_max(place, vf_mul(a->step, a->first)));
-    return (int32_t)vf_lane(&at, 0) ^ (vf_lane(&a->step, 0) > 0 ? 0 : -1);
-}
-
 /* late: from t on, from the top, with slabs from the first node on. */
 static __attribute__((noinline)) bool walk_one(const cw_field *f, const cw_ray *ray, bool late, float t,
                                                one_find *found) {
     const struct cw_pyramid *p = f->pyramid;
+    one_ray one;
+    if (!make_one_ray(&one, f, ray)) return false;
+    if (late) one.from = max_second(t, one.from);
     vray r;
-    vstart start;
-    vfloat numbers[8];
-    for (int k = 0; k < 8; k++) numbers[k] = vf_set(((const float *)ray)[k]);
-    if (!vm_any(make_rays_of(&r, f, numbers, CW_LEAF_WATERTIGHT, &start))) return false;
-    if (late) r.from = vf_max(vf_set(t), r.from);
-    one_lanes a;
-    a.up_x = vf_lane(&r.x.step, 0) > 0;
-    a.up_y = vf_lane(&r.y.step, 0) > 0;
-    const int flip_x = flip(a.up_x), flip_y = flip(a.up_y);
-    const vaxis *const axis[2] = {&r.x, &r.y};
+    r.x.org = vf_set(one.org[0]), r.x.dir = vf_set(one.dir[0]), r.x.up = vm_set(one.up_x);
+    r.y.org = vf_set(one.org[1]), r.y.dir = vf_set(one.dir[1]), r.y.up = vm_set(one.up_y);
+    r.oz = vf_set(one.org[2]), r.dz = vf_set(one.dir[2]);
+    r.t0 = vf_set(one.t0), r.t1 = vf_set(one.t1), r.from = vf_set(one.from), r.until = vf_set(one.until);
+    const int flip_x = flip(one.up_x), flip_y = flip(one.up_y);
+    one_lanes a = {.up_x = one.up_x, .up_y = one.up_y, .mirror_x = one.up_x ? 0 : ~3, .mirror_y = one.up_y ? 0 : ~3};
     for (int c = 0; c < 2; c++) {
-        a.sign[c] = vf_lane(&axis[c]->step, 0);
-        a.shift[c] = 2 - 2 * a.sign[c];
-        a.center[c] = vf_mul(axis[c]->step, axis[c]->center);
-        a.inverse[c] = vf_abs(axis[c]->inverse);
+        a.center[c] = vf_set(one.center[c]);
+        a.inverse[c] = vf_set(one.inverse[c]);
     }
+    found->plain = one.plain;
     unsigned mask = 0, done = 0, todo[PYRAMID_LEVELS_MAX];
     int level = p->levels - 1, left = late ? 0 : OPENS; /* -1: cells */
     int32_t x = 0, y = 0;
     if (!late) {
-        const int32_t i = cell_at(&r.x, r.from, f->nx), j = cell_at(&r.y, r.from, f->ny);
-        const vfloat z = vf_set(f->z[(size_t)j * f->stride + (size_t)i]);
-        const vfloat height = vf_sub(vf_mul(r.from, r.dz), above_origin(&r, z));
-        if (fabsf(vf_lane(&height, 0)) <= LOW_HEIGHT) level = -1, x = i >> 2, y = j >> 2;
+        const int32_t i = cell_at(&one, 0, one.from, f->nx), j = cell_at(&one, 1, one.from, f->ny);
+        const float height = one.from * one.dir[2] - (f->z[(size_t)j * f->stride + (size_t)i] - one.org[2]);
+        if (fabsf(height) <= LOW_HEIGHT) level = -1, x = i >> 2, y = j >> 2;
     }
     int top = level;
     for (;;) {
@@ -214,7 +190,7 @@ static __attribute__((noinline)) bool walk_one(const cw_field *f, const cw_ray *
         } else {
             const bool judged = left == 0 && level + 1 < p->levels;
             mask =
-                judged && slab_misses(&r, f, level + 1, x, y) ? 0 : open_node(&a, &r, &p->level[level], x, y) & ~done;
+                judged && slab_misses(&one, f, level + 1, x, y) ? 0 : open_node(&a, &r, &p->level[level], x, y) & ~done;
             done = 0;
         }
         while (mask == 0) {
@@ -277,7 +253,7 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
                                    .h01 = row[f->stride],
                                    .h11 = row[f->stride + 1]};
             ray_start start;
-            ray_init(&start, f, &rays[k]);
+            start_again(&start, f, &rays[k], at.plain);
             hits[k] = refine_hit(&start, &c, &(strict_find){at.t0, at.t1, at.b});
         } else { /* not by miss(), which compilers make elsewhere and copy */
             hits[k].t = INFINITY;

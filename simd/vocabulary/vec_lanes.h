@@ -49,6 +49,11 @@ typedef struct double_reg {
     double_lanes v;
 } double_reg;
 
+/* Four floats, also where a register has one. */
+typedef float quarter __attribute__((vector_size(16)));
+typedef float quarter_memory __attribute__((vector_size(16), aligned(4), may_alias));
+static inline quarter load_quarter(const float *from) { return *(const quarter_memory *)from; }
+
 /* A number in all lanes. Compilers leave the difference out, which keeps -0. */
 static inline float_reg rf_set(float a) { return (float_reg){a - (float_lanes){0}}; }
 static inline int_reg ri_set(int32_t a) { return (int_reg){(uint32_t)a + (int_lanes){0}}; }
@@ -122,8 +127,6 @@ static inline float_reg rf_gather(const float *base, int_reg index, mask_reg m) 
 #endif
 
 /* The register put together from its quarters. */
-typedef float quarter __attribute__((vector_size(16)));
-typedef float quarter_memory __attribute__((vector_size(16), aligned(4), may_alias));
 static inline float_reg of_quarters(const quarter q[W / 4]);
 static inline quarter quarter_of(float_reg a, int h);
 
@@ -153,7 +156,7 @@ CW_INLINE void transpose(const float_reg r[4], float_reg out[4]) {
 /* W / 4 quarters, from at[0], at[step] … */
 static inline float_reg rf_load_quarters(const float *const *at, size_t step) {
     quarter q[W / 4];
-    for (size_t h = 0; h < W / 4; h++) q[h] = *(const quarter_memory *)at[h * step];
+    for (size_t h = 0; h < W / 4; h++) q[h] = load_quarter(at[h * step]);
     return of_quarters(q);
 }
 

@@ -17,7 +17,7 @@ enum { BLOCK = 512 };
 
 /* So many rays are best found one after the other. In a field of more than FEW_LARGE samples, beyond the caches, one fewer: lanes wait for
  * memory together. */
-enum { FEW_ALONE = 4, FEW_LARGE = 1 << 22 };
+enum { FEW_ALONE = 5, FEW_LARGE = 1 << 22 };
 
 /* Does for n <= CW_FEW_RAYS rays what a cw_trace_fn does. */
 static inline void trace_few(const cw_kernel *kernel, const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits,

@@ -150,6 +150,14 @@ static float steepest(const cw_field *f, const struct cw_pyramid *p) {
     return (float)most;
 }
 
+static void set_box(cw_field *f) {
+    f->lowest[0] = f->lowest[1] = 0;
+    f->lowest[2] = f->low;
+    f->highest[0] = (float)(f->nx - 1);
+    f->highest[1] = (float)(f->ny - 1);
+    f->highest[2] = f->high;
+}
+
 /* From farther away than this, a ray's origin would add more to errors than the field itself does: half a side's
  * length outside the field; and eight times its range of heights above or below, as rays from a camera above should
  * count as near. */
@@ -175,6 +183,7 @@ static void total(cw_field *f, struct cw_pyramid *p) {
     f->high = p->high = high + 0.0f;
     f->holes = 0;
     for (size_t k = 0; k < nodes_in(f, TILE_LEVEL); k++) f->holes += p->holes[k];
+    set_box(f);
     set_reach(f);
 }
 
