@@ -116,17 +116,17 @@ static void destroy_guest(cw_field *f) {
 static cw_status fill(cw_field *f, const cw_field_desc *desc, const cw_run *whole) {
     const bool borrowed = desc->storage == CW_BORROW;
     run_part part = {whole, 0, borrowed ? 1 : 0.4};
-    const cw_run first = cw_run_part_of(&part);
+    const cw_run share = cw_run_part_of(&part); /* of which part is at the time */
     cw_status status = CW_OK;
     if (borrowed) {
         f->z = desc->samples;
         f->stride = desc->stride ? desc->stride : desc->nx;
     } else {
-        status = copy(f, desc, &first);
+        status = copy(f, desc, &share);
         part = (run_part){whole, part.end, 1};
     }
     if (status != CW_OK) return status;
-    status = cw_pyramid_build(f, &first);
+    status = cw_pyramid_build(f, &share);
     return status == CW_OK ? build_guest(f, whole) : status;
 }
 

@@ -55,7 +55,7 @@ struct cw_heading {
 typedef struct cw_heading_job {
     const cw_heading *heading;
     size_t i, j, nx, ny;
-    float low, high; /* rises are clamped to it; for any-hit answers high is the slope to compare with */
+    float low, high; /* rises are clamped to them; for any-hit answers high is the slope to compare with */
     float pad;       /* by which rounding can put a place on an edge above both its samples, seen from a third one */
     float *steepest;
     uint8_t *occluded; /* instead of steepest */

@@ -34,7 +34,7 @@ void cw_pool_share(cw_pool *pool, size_t n, size_t least, size_t most, cw_work_f
 
 /* The same on the pool of how; if there is a watch, in pieces of at most most items also on one thread. If least is
  * less, items may take different times, and pieces are made smaller where they take long.
- * CW_ERROR_CANCELLED if that returned false. */
+ * CW_ERROR_CANCELLED if the watch returned false. */
 CW_API cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw_work_fn *work, void *context);
 
 /* Plain work on a caller's array of n items, whose results go to another one. */

@@ -2,7 +2,6 @@
 #include "outcome.h"
 
 #include "extremes.h"
-#include "normal.h"
 
 #include <math.h>
 #include <stdint.h>

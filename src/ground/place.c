@@ -98,18 +98,15 @@ static bool tell_no_ground(const terrain *part, const io_place *p, const double 
                    io_place_text(p, text), why, low[0], high[0], low[1], high[1]);
 }
 
-/* Heights as floats are known to half a millimetre at 8000 m. */
-static const double least_depth = 1e-3;
-
 place_state ground_try_place(const terrain *t, const io_place *p, double at[3], double *level_there) {
     const bool near = cw_terrain_find_place(t, p->x, p->y, at);
     const double level = *level_there = near ? cw_terrain_height(t, at[0], at[1]) : NAN;
     if (!near) return PLACE_FAR;
     if (!p->absolute && isnan(level)) return PLACE_NO_GROUND;
     const double height = p->absolute ? p->z : level + p->z;
-    if (height < level - least_depth) return PLACE_UNDER;
+    if (height < level - TERRAIN_LEAST_DEPTH) return PLACE_UNDER;
     at[2] = height / terrain_metres_of_height(t);
-    return isfinite(at[2]) ? PLACE_GOOD : PLACE_HIGH;
+    return fabs(at[2]) <= TERRAIN_HEIGHT_MOST ? PLACE_GOOD : PLACE_HIGH;
 }
 
 bool ground_find_place(const terrain *t, const io_place *p, double at[3], double *level_there, io_error *error) {

@@ -80,7 +80,8 @@ static bool coarsen(raster_field *f, const char *path, const ground_coarser *c, 
     const cw_run how = watched(query, watch);
     cw_field *coarser;
     cw_difference d;
-    const cw_status status = cw_field_coarser(f->field, &how, c->factor, c->filter, &coarser, &d, sizeof d);
+    const cw_status status =
+        cw_field_coarser(f->field, &how, c->factor, c->filter, &coarser, watch->note ? &d : NULL, sizeof d);
     if (status == CW_ERROR_CANCELLED) return io_fail(error, "interrupted");
     if (status != CW_OK) return io_fail(error, "%s: %s", path, cw_last_error());
     if (watch->note) note(watch, path, f->field, coarser, &d, fabs(f->raster.map[2][2]));
@@ -92,9 +93,7 @@ static bool coarsen(raster_field *f, const char *path, const ground_coarser *c, 
 bool raster_field_open(raster_field *f, const char *path, const io_raster_options *options,
                        const ground_coarser *coarser, const cw_run *query, const ground_watch *watch, io_error *error) {
     *f = (raster_field){0};
-    cw_run how = *query;
-    if (coarser->factor > 0) how.expert.kernel = cw_kernel_find("cell"); /* a coarser field needs the samples alone */
-    if (io_raster_read(path, options, &f->raster, error) && raster_field_build(f, path, &how, watch, error) &&
+    if (io_raster_read(path, options, &f->raster, error) && raster_field_build(f, path, query, watch, error) &&
         (coarser->factor == 0 || coarsen(f, path, coarser, query, watch, error)))
         return true;
     raster_field_close(f);

@@ -46,7 +46,7 @@ static bool between_samples(const maker *m, double t, double place, double *whol
     return fabs(place - nearest) > PLACE_ROUNDING * (t * m->longest);
 }
 
-/* A border across the ray's axis a (0: x) at distance number, going up or down. Crossings at samples are taken from the
+/* Border `number` from the start across an axis (0: x), on either side. Crossings at samples are taken from the
  * borders across the longer axis and skipped at the others. */
 static void add_border(maker *m, int axis, double number, double t, bool longer) {
     const double here = m->dir[axis] > 0 ? number : -number, place = t * m->dir[1 - axis];
@@ -69,8 +69,8 @@ static void add_diagonal(maker *m, double number, double t) {
         add(m, t, whole, whole - c, fraction, CROSSES_DIAGONAL);
 }
 
-/* All crossings up to cell number cells along the longer axis, cell by cell; first[k] is where stretch k of 4 cells
- * begins. m->to NULL: they are only counted. */
+/* All crossings up to cell number cells along the longer axis, cell by cell; stretch[k].first is the crossing with which
+ * stretch k of 4 cells begins. m->to NULL: they are only counted. */
 static size_t make_crossings(maker *m, bool along_x, size_t cells, cw_stretch *stretch) {
     lines column = {fabs(m->dir[0]), 1}, row = {fabs(m->dir[1]), 1}, diagonal = {fabs(m->dir[0] - m->dir[1]), 1};
     /* A component that is only rounding error crosses no border. */

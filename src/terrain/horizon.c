@@ -4,7 +4,6 @@
 #include "area.h"
 #include "compass.h"
 #include "fpenv.h"
-#include "normal.h"
 #include "sight.h"
 
 #include <float.h>
@@ -162,7 +161,7 @@ cw_status cw_horizon_angles(const cw_terrain *t, const cw_run *run, const cw_hor
                             cw_area area, float *degrees, float *metres) {
     FPENV_HERE;
     cw_run how;
-    cw_status status = cw_area_begin(t, desc, "horizon", run, &area, &how);
+    cw_status status = cw_area_begin(t, desc, "horizon", run, 1, &area, &how);
     if (status == CW_OK) status = check(desc);
     if (status == CW_OK) status = cw_check_number("number", number, 0, (double)count_of(desc) - 1);
     if (status != CW_OK) return status;
@@ -278,7 +277,7 @@ static cw_status make_sum(const cw_terrain *t, const cw_run *run, const cw_horiz
                           float *to, const char *name) {
     FPENV_HERE;
     cw_run how;
-    cw_status status = cw_area_begin(t, desc, "horizon", run, &area, &how);
+    cw_status status = cw_area_begin(t, desc, "horizon", run, 1, &area, &how);
     if (status == CW_OK) status = check(desc);
     if (status == CW_OK) status = cw_check_number("flags", desc->flags, 0, CW_HORIZON_TILTED + CW_HORIZON_BELOW);
     const bool below = status == CW_OK && (desc->flags & CW_HORIZON_BELOW) != 0;

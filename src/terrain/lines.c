@@ -19,8 +19,8 @@ static uint32_t find_place(const terrain *t, const double place[3], bool absolut
     const double level = cw_terrain_height(t, at[0], at[1]), height = absolute ? place[2] : level + place[2];
     at[2] = height / terrain_metres_of_height(t);
     if (!absolute && isnan(level)) return CW_SIGHT_NO_GROUND;
-    if (height < level - CW_LEAST_DEPTH) return CW_SIGHT_UNDER_GROUND;
-    return fabs(at[2]) <= CW_EYE_HEIGHT_MOST ? CW_SIGHT_SEEN : CW_SIGHT_TOO_FAR;
+    if (height < level - TERRAIN_LEAST_DEPTH) return CW_SIGHT_UNDER_GROUND;
+    return fabs(at[2]) <= TERRAIN_HEIGHT_MOST ? CW_SIGHT_SEEN : CW_SIGHT_TOO_FAR;
 }
 
 static cw_sight_answer look_along(const looking *l, const cw_sight *line) {
@@ -62,7 +62,7 @@ cw_status cw_lines_of_sight(const cw_terrain *t, const cw_run *run, double curva
     enum { FEW = 64 };
     cw_run how;
     cw_area all = {0};
-    cw_status status = cw_area_begin(t, lines ? lines : n > 0 ? NULL : (const void *)&all, "lines", run, &all, &how);
+    cw_status status = cw_area_begin(t, lines ? lines : n > 0 ? NULL : (const void *)&all, "lines", run, 1, &all, &how);
     if (status == CW_OK) status = cw_check_number("curvature", curvature, 0, 1e9);
     if (status == CW_OK && n > 0 && answers == NULL) status = cw_fail(CW_ERROR_ARGUMENT, "answers: NULL");
     for (size_t k = 0; k < n && status == CW_OK; k++)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "normal.h"
+#include "terrain.h"
 
 #include "cellwalk_expert.h"
 

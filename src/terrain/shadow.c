@@ -6,7 +6,6 @@
 #include "area.h"
 #include "compass.h"
 #include "fpenv.h"
-#include "normal.h"
 
 #include <math.h>
 #include <string.h>
@@ -14,8 +13,8 @@
 enum { STRIPS_USUAL = 16 };
 
 typedef struct strip {
-    double altitude, half; /* of its middle, and from there to its ends; degrees */
-    double share;          /* of the disc */
+    double half;  /* from its middle to its ends; degrees */
+    double share; /* of the disc */
 } strip;
 
 typedef struct sunlight {
@@ -71,7 +70,7 @@ static cw_status create(sunlight *s, const terrain *t, const cw_light *desc) {
     const size_t strips = cw_light_azimuths(desc, azimuths);
     for (size_t k = 0; k < strips; k++) {
         const double aside = strip_aside(k, strips), half = sqrt(1 - aside * aside);
-        s->strip[k] = (strip){.altitude = desc->altitude, .half = half * desc->radius, .share = half};
+        s->strip[k] = (strip){half * desc->radius, half};
         area += half;
     }
     for (size_t k = 0; k < strips; k++) s->strip[k].share /= area;
@@ -98,8 +97,9 @@ static cw_status add_strip(sunlight *s, const cw_run *run, size_t k, cw_rectangl
     compass_way way;
     cw_status status = cw_compass_look(&s->compass, k, &way);
     if (status != CW_OK) return status;
-    const float high = cw_compass_rise(way.slope, p->altitude + p->half), below = nextafterf(high, -INFINITY),
-                low = fminf(cw_compass_rise(way.slope, p->altitude - p->half), below); /* a tiny disc is a point */
+    const double altitude = s->desc.altitude; /* of all strips' middles */
+    const float high = cw_compass_rise(way.slope, altitude + p->half), below = nextafterf(high, -INFINITY),
+                low = fminf(cw_compass_rise(way.slope, altitude - p->half), below); /* a tiny disc is a point */
     status = cw_heading_steepest(way.heading, run, low, high, at, steepest);
     if (status != CW_OK) return status;
     const float per_rise = (float)(1 / way.slope), top = high * per_rise, foot = low * per_rise;
@@ -133,7 +133,7 @@ static void shade(void *context, size_t begin, size_t end) {
     }
 }
 
-/* room: of two floats a sample. */
+/* room: a float a sample, two with hillshade. */
 static cw_status fill_share(void *context, const cw_run *run, cw_rectangle at, void *to, void *room) {
     enum { GRAIN = 1 << 14 };
     sunlight *s = context;
@@ -157,7 +157,7 @@ static cw_status fill_share(void *context, const cw_run *run, cw_rectangle at, v
     return CW_OK;
 }
 
-/* Of a point all is seen or nothing. room: of two floats a sample. */
+/* Of a point, without hillshade: all is seen or nothing. room: two floats a sample. */
 static cw_status fill_lit(void *context, const cw_run *run, cw_rectangle at, void *to, void *room) {
     const size_t n = at.nx * at.ny;
     float *share = room;
@@ -172,7 +172,7 @@ static cw_status make(const cw_terrain *t, const cw_run *run, const cw_light *li
     FPENV_HERE;
     sunlight s;
     cw_run how;
-    cw_status status = cw_area_begin(t, light, "light", run, &area, &how);
+    cw_status status = cw_area_begin(t, light, "light", run, 1, &area, &how);
     if (status != CW_OK) return status;
     status = create(&s, t, light);
     if (status == CW_OK)

@@ -154,23 +154,21 @@ cw_status cw_visibility(const cw_terrain *t, const cw_run *run, const cw_visibil
                         const cw_visibility_answers *answers) {
     FPENV_HERE;
     cw_run how;
-    cw_status status = cw_area_begin(t, desc, "desc", run, &area, &how);
+    const size_t every = desc && desc->every > 0 ? desc->every : 1;
+    cw_status status = cw_area_begin(t, desc, "desc", run, every, &area, &how);
     if (status == CW_OK) status = check(desc, answers, terrain_metres_of_height(t));
     if (status != CW_OK) return status;
-    finding f = {.terrain = t, .whole = terrain_whole(t), .desc = desc, .at = area.at};
+    finding f = {.terrain = t, .whole = terrain_whole(t), .desc = desc, .at = area.at, .every = every};
     /* One eye a row and column is least; memory grows with every. */
     const size_t side = area.at.nx > area.at.ny ? area.at.nx : area.at.ny;
-    f.every = desc->every > 0 ? desc->every : 1;
     if (f.every > side && side > 0) f.every = side;
     f.directions = desc->directions > 0 ? desc->directions : DIRECTIONS_USUAL;
     f.nx = (area.at.nx + f.every - 1) / f.every;
     f.ny = (area.at.ny + f.every - 1) / f.every;
-    const size_t stride = area.stride > 0 ? area.stride : f.nx;
-    if (stride < f.nx) return cw_fail(CW_ERROR_ARGUMENT, "stride: %zu; a row has %zu eyes", stride, f.nx);
     if (f.nx * f.ny == 0) return CW_OK;
     door_pass in;
     if (!cw_field_enter(t->field, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
-    status = find(&f, &how, answers, stride);
+    status = find(&f, &how, answers, area.stride);
     cw_field_leave(in);
     return status;
 }

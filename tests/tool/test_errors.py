@@ -187,7 +187,7 @@ def test_lines(status, why, table, words):
     ("59.4,5,2", "59.4,5,2: lies in the outer half of a pixel"),
     ("3,4,2", "3,4,2: there is no data at that place"),
     ("5,29,=39", "5,29,=39: is under the ground, which is 40.000 m high there: X,Y,H counts H from the ground"),
-    ("5,29,-1", "5,29,-1: is under the ground, which is 40.000 m high there")])
+    ("5,29,-1", "5,29,-1: is under the ground, which is 40.000 m high there"), ("5,5,=1e305", "5,5,=1e305: is too high")])
 def test_places(place, why):
     """One meaning of a place for all: H above ground, =Z absolute, and what is wrong with one is said."""
     for command, *more in [("viewshed", "--from", place, "-o", "v.npy"), ("horizon", "--at", place), ("los", "10,10,2", place),

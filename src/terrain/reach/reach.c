@@ -49,7 +49,7 @@ cw_rectangle cw_reach_both(cw_rectangle a, cw_rectangle b) {
     return (cw_rectangle){i, j, right - i, bottom - j};
 }
 
-/* Cells that a metre is long at most, along columns and rows, at a row. */
+/* Cells that a metre is long at most, along columns and rows, at a place. */
 static void cells_a_metre(const terrain *whole, double i, double j, double cells[2]) {
     double metres[2];
     cw_terrain_metres(whole, i, j, metres);

@@ -17,7 +17,7 @@ cw_rectangle cw_reach_grow(const terrain *whole, cw_rectangle part, double more)
 /* The least rectangle that holds both; one without samples counts for nothing. */
 cw_rectangle cw_reach_both(cw_rectangle a, cw_rectangle b);
 
-/* The samples within so many metres of a place in the whole raster's field coordinates, as viewshed.h measures them: the least
+/* The samples within so many metres of a place in the whole raster's field coordinates, as view_limits.h measures them: the least
  * rectangle that has them, which has no samples if there are none. */
 cw_rectangle cw_reach_within(const terrain *whole, const double at[2], double metres);
 
@@ -44,6 +44,7 @@ void cw_reach_blocks_take(reach_blocks *blocks, cw_rectangle part, const float *
 
 /* An edge that is crossed ends up to a cell beside the way, and normals look at the next samples. */
 #define REACH_BESIDE 2.0
+/* The samples of block (x, y). */
 cw_rectangle cw_reach_block(const reach_blocks *blocks, size_t x, size_t y);
 
 /* The ways from samples of a part toward the sun's disc. */

@@ -53,7 +53,8 @@ typedef struct place {
     size_t x, y; /* of the block */
     double low, high;
     scale scale;
-    double drop, up; /* of a metre's square; metres that a sample's number stands for */
+    double drop,
+        up; /* lowering by curvature: drop times the square of metres; metres of height in a number of the samples */
     ring *rings;
     size_t count, *best; /* the ring before number k that hides most from the highest sample; 0: none */
 } place;

@@ -53,7 +53,7 @@ static void add_times(exact_sum *s, const exact_sum *a, const parts *height, dou
         }
 }
 
-/* A sample on the line, or NULL if it is none; its place and its height. */
+/* A sample on the line, if there is one: its place and its height. */
 typedef struct sample {
     bool exists;
     vector at;

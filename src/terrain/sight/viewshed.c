@@ -176,8 +176,7 @@ cw_status cw_viewshed_from(const sight *s, const cw_observer *from, const cw_run
     const terrain *t = s->terrain;
     viewshed v = {.sight = s, .target = from->target / terrain_metres_of_height(t), .most = INFINITY};
     cw_run how;
-    cw_status status = cw_area_begin(t, view, "view", run, &area, &how);
-    if (status == CW_OK) status = cw_area_stride(&area);
+    cw_status status = cw_area_begin(t, view, "view", run, 1, &area, &how);
     if (status == CW_OK) status = cw_check_reserved(view->reserved, 8, 0, "cw_view");
     if (status == CW_OK) status = cw_check_number("weight", view->weight, -DBL_MAX, DBL_MAX);
     if (status == CW_OK && view->needed && (from->limits & CW_OBSERVER_VERTICALS) != 0)
@@ -207,13 +206,13 @@ static cw_status find_eye(const terrain *t, const cw_observer *from, double eye[
     const double ground = cw_terrain_height(t, eye[0], eye[1]), metres = terrain_metres_of_height(t);
     const double height = from->absolute ? from->height : ground + from->height;
     eye[2] = height / metres;
-    if (height < ground - CW_LEAST_DEPTH)
+    if (height < ground - TERRAIN_LEAST_DEPTH)
         return cw_fail(CW_ERROR_ARGUMENT,
                        "height: %.10g m is under the ground, which is %.10g m high at (%.10g, %.10g)", height, ground,
                        from->x, from->y);
     if (isnan(eye[2]))
         return cw_fail(CW_ERROR_ARGUMENT, "x, y: there is no ground to stand on, or height is no number");
-    const double most = CW_EYE_HEIGHT_MOST * metres;
+    const double most = TERRAIN_HEIGHT_MOST * metres;
     cw_status status = cw_check_number("height", height, -most, most);
     if (status == CW_OK) status = cw_check_number("target", from->target, -most, most);
     if (status == CW_OK) status = cw_check_number("curvature", from->curvature, 0, 1e9);

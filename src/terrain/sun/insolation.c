@@ -7,7 +7,6 @@
 #include "area.h"
 #include "compass.h"
 #include "fpenv.h"
-#include "normal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -246,7 +245,7 @@ static cw_status fill(void *context, const cw_run *run, cw_rectangle at, void *t
 static cw_status make(insolation *s, const cw_run *run, cw_area area, bool energy, float *out, const char *name) {
     FPENV_HERE;
     cw_run how;
-    const cw_status status = cw_area_begin(s->terrain, s, "sum", run, &area, &how);
+    const cw_status status = cw_area_begin(s->terrain, s, "sum", run, 1, &area, &how);
     if (status != CW_OK) return status;
     s->energy = energy;
     const size_t room = sizeof(double) + (energy ? 5 : 1) * sizeof(float);

@@ -21,7 +21,7 @@ typedef struct sun_position {
  * degrees from 1950 to 2050, refraction apart. */
 sun_position cw_sun_at(double seconds, double longitude, double latitude);
 
-/* Where a place is on earth, and its map. */
+/* Where a place is on earth, and how its map is turned there. */
 typedef struct sun_place {
     double longitude, latitude; /* degrees */
     double turned; /* how far the map's north is turned there from the true one, toward the west, in degrees */

@@ -2,7 +2,6 @@
 #include "sun_day.h"
 
 #include "fpenv.h"
-#include "normal.h"
 
 #include <math.h>
 
