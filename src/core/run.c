@@ -141,6 +141,7 @@ cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw
         cw_pool_share(how->pool, n, least, most, work, context);
         return CW_OK;
     }
+    FPENV_HERE;
     watched w = {
         .how = how, .work = work, .context = context, .n = n, .most = most > 0 ? most : 1, .even = least >= most};
     atomic_init(&w.piece, w.even || w.most < FIRST_PIECE ? w.most : FIRST_PIECE);

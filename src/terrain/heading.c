@@ -154,6 +154,7 @@ static bool is_drop(const cw_heading_desc *d, double longest) {
 }
 
 cw_status cw_heading_create(const cw_field *field, const cw_heading_desc *desc, cw_heading **heading) {
+    FPENV_HERE;
     if (heading == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
     *heading = NULL;
     if (field == NULL || desc == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "desc" : "field");
@@ -169,13 +170,11 @@ cw_status cw_heading_create(const cw_field *field, const cw_heading_desc *desc, 
         return cw_fail(CW_ERROR_ARGUMENT, "drop: %g; it is from 0 to 2^77 times dir's longer component", desc->drop);
     cw_heading *h = cw_memory_clear(&field->memory, sizeof *h);
     if (h == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    const fpenv caller = fpenv_enter();
     h->field = field;
     /* A component that rounding could have made is 0. */
     const double exact[2] = {fabs(dir[0]) <= PLACE_ROUNDING * longest ? 0 : dir[0],
                              fabs(dir[1]) <= PLACE_ROUNDING * longest ? 0 : dir[1]};
     const cw_status status = make(h, exact, desc);
-    fpenv_leave(caller);
     if (status == CW_OK)
         *heading = h;
     else
@@ -203,14 +202,12 @@ typedef struct tiles {
 
 static void run_tiles(void *context, size_t begin, size_t end) {
     const tiles *t = context;
-    const fpenv caller = fpenv_enter();
     for (size_t k = begin; k < end; k++) {
         const cw_heading_job *job = &t->job;
         const size_t i = job->i + k % t->across * t->columns, j = job->j + k / t->across * t->rows;
         const size_t i_end = i + t->columns, j_end = j + t->rows, i_last = job->i + job->nx, j_last = job->j + job->ny;
         t->code(job, i, i_end < i_last ? i_end : i_last, j, j_end < j_last ? j_end : j_last);
     }
-    fpenv_leave(caller);
 }
 
 /* By which rounding can put a place on an edge above both its samples, seen from a third one: sums and products of
@@ -222,6 +219,7 @@ static float rounding(const cw_field *f) {
 }
 
 static cw_status query_along(const cw_heading_job *job, const cw_run *run, const void *out, const char *out_name) {
+    FPENV_HERE;
     const cw_heading *h = job->heading;
     if (h == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
     const size_t count = job->nx * job->ny;
@@ -236,9 +234,7 @@ static cw_status query_along(const cw_heading_job *job, const cw_run *run, const
     door_pass in;
     if (!cw_field_enter(f, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
     tiles t = {.job = *job, .code = code->heading};
-    const fpenv caller = fpenv_enter();
     t.job.pad = rounding(f);
-    fpenv_leave(caller);
     t.columns = h->along_x ? TILE_LONG : TILE_COLUMNS;
     t.rows = h->along_x ? TILE_ROWS : TILE_LONG;
     t.across = (job->nx + t.columns - 1) / t.columns;

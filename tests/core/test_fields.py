@@ -270,8 +270,8 @@ def test_bounds_are_those_of_the_samples(library, size):
 
 @pytest.fixture
 def modes(library):
-    """How many there are: bit 0 flushes denormal results, bit 1 operands (or on ARM, every NaN has the same bits), the rest is the rounding. After
-    each call library.c looks at the register."""
+    """How many there are: bit 0 flushes denormal results, bit 1 operands (or on ARM, every NaN has the same bits), two are the rounding, and bit 4
+    makes exceptions trap. After each call library.c looks at the register, and whether the caller's flags are still raised."""
     count = library.number("set_mode", 99)
     if count == 0:
         pytest.skip("this CPU's register is unknown")
@@ -305,14 +305,19 @@ def test_fields_do_not_depend_on_the_environment(library, modes):
     z, down = (r.random((9, 9)) - 0.5) * 2.0**-127, np.zeros(500, RAY)
     down["org"], down["dir"], down["tmax"] = r.random((500, 3)) * (8, 8, 0) + (0, 0, 2.0**-126), (0, 0, -2.0**-127), np.inf
     ray, found = np.array([((0.1, 0.2, 0.3), 0, (1 / 3, 0.7, -0.9), 1e3)], USER_RAY), set()
+    watched = lambda **how: library.run(watch=library.number("watch"), watch_context=library.keep(np.array([0.0, 2, 0])), **how)  # noqa: E731
     for mode in 99, *range(modes):
         library.call("set_mode", mode)
         field, mapped = library.field(z), library.field(np.ones((3, 3)), map)
         moved = library.of_each("cw_rays_to_field", mapped, ray, RAY).tobytes()
         library.well("cw_field_update", field, None, library.struct("cw_update", at=(1, 1, 5, 5), samples=library.keep(z[2:7, 2:7].astype("f4"))))
         library.well("cw_field_build", field, library.run(kernel="grid3d"))
+        coarse = int(library.well("cw_field_coarser", mapped, watched(), 3, 0, Room("u8"), None, 0)[0])
+        heading = library.well("cw_heading_create", mapped, library.struct("cw_heading_desc", dir=(0.1, 1), drop=0.7), Room("u8"))
+        seen = library.closest(field, down, watched(kernel="cell"))
         library.call("set_mode", 99)
         hits = [library.closest(field, down, library.run(kernel=kernel)) for _, kernel, _ in library.kernels()]
         assert all((h["i"] >= 0).sum() > 100 for h in hits)
-        found.add((library.describe(field).tobytes(), library.describe(mapped).tobytes(), moved, *(h.tobytes() for h in hits)))
+        library.call("cw_heading_destroy", int(heading[0]))
+        found.add((*(library.describe(f).tobytes() for f in (field, mapped, coarse)), moved, *(h.tobytes() for h in (seen, *hits))))
     assert len(found) == 1

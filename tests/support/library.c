@@ -35,21 +35,23 @@ typedef struct value {
 
 /* Of the floating-point environment in which functions are called; FP_MODES and above: as it is. 0 where fpenv.h has no numbers for it. */
 #if defined(__SSE__) || defined(__aarch64__)
-enum { FP_MODES = 16 };
-#define FP_CHANGED(A, B) (mode < FP_MODES && (((A) ^ (B)) & ~(fpenv)FPENV_FLAGS) != 0)
+enum { FP_MODES = FPENV_FLAGS ? 32 : 16 };
+/* Flags in B too are in A, which may have more. */
+#define FP_CHANGED(A, B) (mode < FP_MODES && ((((A) ^ (B)) & ~(fpenv)FPENV_FLAGS) != 0 || ((B) & ~(A)) != 0))
 #else
 enum { FP_MODES = 0 };
 #define FP_CHANGED(A, B) false
 #endif
 static size_t mode = FP_MODES;
 
-/* Exceptions are masked. Bit 0 flushes denormal results to zero, bit 1 takes denormal operands for zero, the rest
+/* Bit 4 unmasks all exceptions and raises the flags of two; else they are masked. Bit 0 flushes denormal results to zero, bit 1 takes denormal operands for zero, the rest
  * chooses the rounding. On ARM bit 0 is for operands and results both, and bit 1 gives every NaN the same bits. */
 static fpenv environment(fpenv now) {
 #if defined(__SSE__)
-    enum { FTZ = 0x8000, DAZ = 0x40, ROUNDING = 0x2000 };
+    enum { FTZ = 0x8000, DAZ = 0x40, ROUNDING = 0x2000, MASKS = 0x1f80, FLAGS = 0x9 };
     if (mode < FP_MODES)
-        now = (unsigned)(FPENV_DEFAULT | (mode & 1 ? FTZ : 0) | (mode & 2 ? DAZ : 0) | mode / 4 * ROUNDING);
+        now = (unsigned)(FPENV_DEFAULT | (mode & 1 ? FTZ : 0) | (mode & 2 ? DAZ : 0) | mode % 16 / 4 * ROUNDING);
+    if (mode < FP_MODES && mode >= 16) now = (now ^ MASKS) | FLAGS;
 #elif defined(__aarch64__)
     enum { FZ = 1 << 24, DN = 1 << 25, ROUNDING = 1 << 22 };
     if (mode < FP_MODES) now = (mode & 1 ? FZ : 0) | (mode & 2 ? DN : 0) | mode / 4 * ROUNDING;

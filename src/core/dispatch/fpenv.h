@@ -19,7 +19,7 @@ static inline fpenv fpenv_enter(void) {
     return caller;
 }
 static inline void fpenv_leave(fpenv caller) {
-    if (!fpenv_is_default(caller)) __builtin_ia32_ldmxcsr(caller);
+    if (!fpenv_is_default(caller)) __builtin_ia32_ldmxcsr(caller | (__builtin_ia32_stmxcsr() & FPENV_FLAGS));
 }
 #elif defined(__aarch64__)
 #include <stdint.h>
@@ -43,7 +43,13 @@ static inline fpenv fpenv_enter(void) {
     fesetenv(FE_DFL_ENV);
     return caller;
 }
-static inline void fpenv_leave(fpenv caller) { fesetenv(&caller); }
+static inline void fpenv_leave(fpenv caller) {
+    fexcept_t raised;
+    const int which = fetestexcept(FE_ALL_EXCEPT);
+    fegetexceptflag(&raised, which);
+    fesetenv(&caller);
+    fesetexceptflag(&raised, which); /* without a trap */
+}
 #endif
 
 /* Sets the default environment until the end of the block in which this stands. */

@@ -101,7 +101,6 @@ static void make_rows(void *context, size_t begin, size_t end) {
         atomic_store(&m->out_of_memory, true);
         return;
     }
-    const fpenv caller = fpenv_enter();
     for (size_t j = begin; j < end; j++) {
         if (m->filter == CW_FILTER_MEAN)
             average_row(m, j, columns, columns + m->full->nx);
@@ -110,7 +109,6 @@ static void make_rows(void *context, size_t begin, size_t end) {
         else
             extreme_row(m, j, (float *)columns, false);
     }
-    fpenv_leave(caller);
     free(columns);
 }
 
@@ -151,6 +149,7 @@ static cw_status make(maker *m, const cw_field *full, size_t ny, const cw_run *h
 
 cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size_t factor, int32_t filter, cw_field **coarser,
                            cw_difference *difference, size_t size) {
+    FPENV_HERE;
     if (coarser == NULL) return cw_fail(CW_ERROR_ARGUMENT, "coarser: NULL");
     *coarser = NULL;
     if (field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");

@@ -162,9 +162,7 @@ static void measure_rows(void *context, size_t begin, size_t end) {
         atomic_store(&m->out_of_memory, true);
         return;
     }
-    const fpenv caller = fpenv_enter();
     for (size_t row = begin; row < end; row++) m->rows[row] = measure_row(m, row, room, room + m->full->nx);
-    fpenv_leave(caller);
     free(room);
 }
 
@@ -195,11 +193,7 @@ cw_status cw_difference_measure(const samples *full, const samples *coarser, siz
     cw_status status =
         m.rows ? cw_run_work(run, rows, grain, grain, measure_rows, &m) : cw_fail_plainly(CW_ERROR_MEMORY);
     if (status == CW_OK && atomic_load(&m.out_of_memory)) status = cw_fail_plainly(CW_ERROR_MEMORY);
-    if (status == CW_OK) {
-        const fpenv caller = fpenv_enter();
-        *difference = total(&m, rows);
-        fpenv_leave(caller);
-    }
+    if (status == CW_OK) *difference = total(&m, rows);
     free(m.rows);
     return status;
 }
