@@ -60,8 +60,9 @@ typedef struct cw_difference {
  * nx - 1, the last samples stand less than factor cells beyond the full field's border, and samples within the field
  * determine them. Both maps lead to the same user space, so t of a user-space ray means the same on both.
  *
- * filter is one of CW_FILTER_…. The caller owns the coarser field, which has a copy of its samples, in memory of the library's own. The first size bytes of a
- * cw_difference go to difference, which may be NULL. On failure *coarser is NULL. */
+ * filter is one of CW_FILTER_…. The caller owns the coarser field, which has a copy of its samples, in memory of the
+ * library's own. The first size bytes of a cw_difference go to difference, which may be NULL. On failure *coarser is
+ * NULL. */
 CW_API cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size_t factor, int32_t filter,
                                   cw_field **coarser, cw_difference *difference, size_t size);
 
