@@ -98,12 +98,12 @@ static double bound_between(const way *w, double a, double b, int level) {
     return height + pad > 0 ? (near > 0 ? (height + pad) / near : INFINITY) : (height + pad) / far;
 }
 
-/* All of the way in which something may rise more steeply than *steepest, which look may raise. Stretches end at
- * whole fours of cells from the target. */
-static inline void look_along(const way *w, const double *steepest, way_look *look, void *context) {
+/* All of the way, or from so many cells from the target on, in which something may rise more steeply than *steepest, which look may raise.
+ * Stretches end at whole fours of cells. */
+static inline void look_along(const way *w, double from, const double *steepest, way_look *look, void *context) {
     const sight_bounds *bounds = w->sight->bounds;
     int level = 0;
-    for (double from = 0; from < w->length;) {
+    while (from < w->length) {
         const double side = (double)(4 << 2 * level), to = from + side;
         const double a = from / w->length, b = to < w->length ? to / w->length : 1;
         if (from > 0 && bound_between(w, a, b, level) < *steepest) {
@@ -121,7 +121,7 @@ static inline void look_along(const way *w, const double *steepest, way_look *lo
 sight_rise cw_sight_steepest(const sight *s, double i, double j, double least) {
     const way w = way_to(s, i, j, 0, 0);
     sight_rise found = {least, 0};
-    if (w.length > at_end) look_along(&w, &found.steepest, look_for_steepest, &found);
+    if (w.length > at_end) look_along(&w, 0, &found.steepest, look_for_steepest, &found);
     return found;
 }
 
@@ -151,7 +151,9 @@ double cw_sight_nearest(const sight *s, double i, double j, sight_rise steepest)
     tie t = {steepest, steepest.share};
     /* Stretches are passed over by a lower rise than any tie has. */
     const double low = steepest.steepest - 0x1p-30 * (fabs(steepest.steepest) + fabs(s->eye[2]));
-    if (w.length > at_end && steepest.share > 0) look_along(&w, &low, look_for_tie, &t);
+    /* Only nearer places count, and the last stretch of those that are not. */
+    const double fours = floor((1 - steepest.share) * w.length / 4) - 1;
+    if (w.length > at_end && steepest.share > 0) look_along(&w, fours > 0 ? 4 * fours : 0, &low, look_for_tie, &t);
     return t.share;
 }
 
@@ -236,7 +238,7 @@ bool cw_sight_sees(const sight *s, double i, double j, double z, double above, s
         if (parts.close > 0 && look_between(&w, 0, parts.close / w.length, look_for_block, &blocked)) return false;
         return !(parts.eye && look_between(&w, 1 - 1 / w.length, 1, look_for_block, &blocked));
     }
-    look_along(&w, &w.top, look_for_block, &blocked);
+    look_along(&w, 0, &w.top, look_for_block, &blocked);
     return !blocked;
 }
 
@@ -265,7 +267,7 @@ static inline bool look_for_need(void *context, const crossing *c) {
 double cw_sight_need(const sight *s, double i, double j, double z, double low) {
     const way w = way_to(s, i, j, z, 0);
     need n = {fmax(low, w.top), 0};
-    if (w.length > 0) look_along(&w, &n.steepest, look_for_need, &n);
+    if (w.length > 0) look_along(&w, 0, &n.steepest, look_for_need, &n);
     return fmax(n.steepest - w.top, n.excess);
 }
 
