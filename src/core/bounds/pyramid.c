@@ -150,24 +150,18 @@ static float steepest(const cw_field *f, const struct cw_pyramid *p) {
     return (float)most;
 }
 
-static void set_box(cw_field *f) {
-    f->lowest[0] = f->lowest[1] = 0;
-    f->lowest[2] = f->low;
-    f->highest[0] = (float)(f->nx - 1);
-    f->highest[1] = (float)(f->ny - 1);
-    f->highest[2] = f->high;
-}
-
-/* From farther away than this, a ray's origin would add more to errors than the field itself does: half a side's
- * length outside the field; and eight times its range of heights above or below, as rays from a camera above should
+/* The field's box. And from farther away than reach, a ray's origin would add more to errors than the field itself does: half a
+ * side's length outside the field; and eight times its range of heights above or below, as rays from a camera above should
  * count as near. */
-static void set_reach(cw_field *f) {
+static void set_box(cw_field *f) {
     const float range = f->high - f->low;
-    f->middle[0] = 0.5f * (float)(f->nx - 1);
-    f->middle[1] = 0.5f * (float)(f->ny - 1);
+    f->lowest[2] = f->low; /* before it are zeros */
+    f->highest[2] = f->high;
+    for (int c = 0; c < 2; c++) {
+        f->highest[c] = f->reach[c] = (float)((c == 0 ? f->nx : f->ny) - 1);
+        f->middle[c] = 0.5f * f->highest[c];
+    }
     f->middle[2] = range >= 0 ? 0.5f * (f->low + f->high) : 0;
-    f->reach[0] = (float)(f->nx - 1);
-    f->reach[1] = (float)(f->ny - 1);
     f->reach[2] = range > 0 ? 8 * range : INFINITY; /* on a level field, or none, heights cost no accuracy */
 }
 
@@ -184,7 +178,6 @@ static void total(cw_field *f, struct cw_pyramid *p) {
     f->holes = 0;
     for (size_t k = 0; k < nodes_in(f, TILE_LEVEL); k++) f->holes += p->holes[k];
     set_box(f);
-    set_reach(f);
 }
 
 /* Everything above the tiles, which are done. */
