@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One ray made ready for a walk, by the rules of src/scalar/strict.h, operation by operation. Lanes are axes: x, y, height, and a
- * fourth that nobody uses. So one operation does for three, where a ray in all lanes (vector_rays.h) takes one for each.
+/* One ray made ready for a walk, by the rules of src/scalar/strict.h, operation by operation. Lanes are axes: x, y,
+ * height, and a fourth that nobody uses. So one operation does for three, where a ray in all lanes (vector_rays.h)
+ * takes one for each.
  *
- * Invariant: the numbers are those of strict_ray_init, bit by bit. Rejected: that function for all rays (papers/walks.md). Rays that
- * have something special, as vstart.plain says, are left to it. */
+ * Invariant: the numbers are those of strict_ray_init, bit by bit. Rays that have something special, as vstart.plain
+ * says, are left to it. Rejected: to leave all to it, or to vector_rays.h (papers/walks.md). */
 #ifndef CELLWALK_SIMD_ONE_RAY_H
 #define CELLWALK_SIMD_ONE_RAY_H
 
@@ -70,7 +71,7 @@ CW_INLINE bool make_one_ray(one_ray *r, const cw_field *f, const cw_ray *ray) {
     return true;
 }
 
-/* Number of the cell at t along axis c, 0 or 1, or of an earlier one, within the field. See first_corner in lane_rays.h. */
+/* Number of the cell at t along axis c, or of an earlier one, within the field. See first_corner in lane_rays.h. */
 CW_INLINE int32_t cell_at(const one_ray *r, int c, float t, size_t samples) {
     const bool up = c == 0 ? r->up_x : r->up_y;
     const float back = 0x1p-21f * (fabsf(r->org[c]) + (float)samples), last = (float)(samples - 1) - 0.5f;

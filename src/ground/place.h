@@ -23,8 +23,9 @@ bool ground_parse_place(const char *text, double height, io_place *p, io_error *
 /* Whether one can look from a place. */
 typedef enum place_state { PLACE_GOOD, PLACE_NO_GROUND, PLACE_FAR, PLACE_UNDER, PLACE_HIGH } place_state;
 
-/* Field coordinates, rounded as by cw_terrain_find_place, and the height in the samples' numbers. A height above ground has no ground outside the terrain, however far. *level_there is the ground's height in
- * metres, NaN where there is none. */
+/* Field coordinates, rounded as by cw_terrain_find_place, and the height in the samples' numbers. A height above ground
+ * has no ground outside the terrain, however far. *level_there is the ground's height in metres, NaN where there is
+ * none. */
 place_state ground_try_place(const terrain *t, const io_place *p, double at[3], double *level_there);
 
 /* The same, with an error unless the place is good. level_there may be NULL. */

@@ -9,8 +9,8 @@
 /* Fails with the argument's name unless value is from least to most. */
 cw_status cw_check_number(const char *name, double value, double least, double most);
 
-/* Fails unless both pointers are there, the area is a part of the terrain, and its stride has room for a row's answers, one for every so
- * many samples. An empty area becomes all of the terrain, a stride of 0 the least, and *how *run. */
+/* Fails unless both pointers are there, the area is a part of the terrain, and its stride has room for a row's answers,
+ * one for every so many samples. An empty area becomes all of the terrain, a stride of 0 the least, and *how *run. */
 cw_status cw_area_begin(const terrain *t, const void *desc, const char *name, const cw_run *run, size_t every,
                         cw_area *area, cw_run *how);
 

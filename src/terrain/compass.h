@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Headings by azimuth, kept as long as the rows that are asked about share them: on a map whose scale varies, a direction of the
- * compass is another one in the field's coordinates from each few rows to the next. And products that are made of them: block by block
- * of such rows. */
+/* Headings by azimuth, kept as long as the rows that are asked about share them: on a map whose scale varies, a
+ * direction of the compass is another one in the field's coordinates from each few rows to the next. And products that
+ * are made of them: block by block of such rows. */
 #ifndef CELLWALK_TERRAIN_COMPASS_H
 #define CELLWALK_TERRAIN_COMPASS_H
 
@@ -46,7 +46,7 @@ cw_status cw_compass_make(compass *c, cw_area area, const cw_run *how, size_t by
 /* The rise, in a heading's numbers, of a ray at an altitude of so many degrees. */
 float cw_compass_rise(double slope, double altitude);
 
-/* horizon.c. Degrees whose tangent is x, off by less than 10^-5 degrees, by operations that are the same on every CPU. */
+/* horizon.c. Degrees whose tangent is x, off by less than 10^-5, by operations that are the same on every CPU. */
 float cw_horizon_degrees(float x);
 
 /* shadow.c. The azimuths in which shadows are looked for, in degrees: how many there are. */

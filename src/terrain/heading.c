@@ -69,8 +69,8 @@ static void add_diagonal(maker *m, double number, double t) {
         add(m, t, whole, whole - c, fraction, CROSSES_DIAGONAL);
 }
 
-/* All crossings up to cell number cells along the longer axis, cell by cell; stretch[k].first is the crossing with which
- * stretch k of 4 cells begins. m->to NULL: they are only counted. */
+/* All crossings up to cell number cells along the longer axis, cell by cell; stretch[k].first is the crossing with
+ * which stretch k of 4 cells begins. m->to NULL: they are only counted. */
 static size_t make_crossings(maker *m, bool along_x, size_t cells, cw_stretch *stretch) {
     lines column = {fabs(m->dir[0]), 1}, row = {fabs(m->dir[1]), 1}, diagonal = {fabs(m->dir[0] - m->dir[1]), 1};
     /* A component that is only rounding error crosses no border. */

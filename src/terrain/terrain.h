@@ -16,10 +16,11 @@
 
 typedef struct cw_terrain terrain;
 
-/* So far under the ground a place may be, in metres: its height may come from decimals, and floats are known to half a millimetre at
- * 8000 m. */
+/* So far under the ground a place may be, in metres: its height may come from decimals, and floats are known to half a
+ * millimetre at 8000 m. */
 #define TERRAIN_LEAST_DEPTH 1e-3
-/* Heights of eyes and targets, in the samples' numbers. Samples are within it too, and products of exact decisions do not overflow. */
+/* Heights of eyes and targets, in the samples' numbers. Samples are within it too, and products of exact decisions do
+ * not overflow. */
 #define TERRAIN_HEIGHT_MOST 0x1p120
 
 struct cw_terrain {
@@ -49,8 +50,8 @@ bool cw_terrain_place(terrain *t, const double (*map)[4], const cw_terrain_desc 
 
 static inline const float *terrain_row(const terrain *t, size_t j) { return t->z + j * t->stride; }
 
-/* The pyramid of highest samples: the one that is given, or kept by the terrain since it was first needed, or else a new one until it is
- * released. */
+/* The pyramid of highest samples: the one that is given, or kept by the terrain since it was first needed, or else a
+ * new one until it is released. */
 cw_status cw_terrain_bounds(const terrain *t, const struct sight_bounds **bounds);
 void cw_terrain_bounds_release(const terrain *t, const struct sight_bounds *bounds);
 
@@ -84,13 +85,15 @@ static inline double terrain_metres_of_height(const terrain *t) { return t->map[
 /* Metres, directions and rows are those of the whole raster. */
 static inline const terrain *terrain_whole(const terrain *t) { return t->whole ? t->whole : t; }
 
-/* Slopes of the surface at the samples of a rectangle, metres in a metre: how it rises eastward and northward; NaN where there is no
- * triangle. Metres are those of a row of the whole raster, for rows that share a heading, or if row is NaN each row's own. */
+/* Slopes of the surface at the samples of a rectangle, metres in a metre: how it rises eastward and northward; NaN
+ * where there is no triangle. Metres are those of a row of the whole raster, for rows that share a heading, or if row
+ * is NaN each row's own. */
 void cw_terrain_slopes(const terrain *t, cw_pool *pool, double row, cw_rectangle at, float *east, float *north);
 
-/* Rows from row on whose scales differ by less than 10^-4, so that they may share one heading: all of them, or at most 256 if scales
- * differ from row to row. Lengths are off by up to that; azimuths by half of it on a map in degrees, where one scale changes, and by all of it
- * where both may. So angles are off by 0.003 (1 + s) degrees, or 0.003 (1 + 2 s), s being the steepest rise. */
+/* Rows from row on whose scales differ by less than 10^-4, so that they may share one heading: all of them, or at most
+ * 256 if scales differ from row to row. Lengths are off by up to that; azimuths by half of it on a map in degrees,
+ * where one scale changes, and by all of it where both may. So angles are off by 0.003 (1 + s) degrees, or
+ * 0.003 (1 + 2 s), s being the steepest rise. */
 size_t cw_terrain_rows_alike(const terrain *t, size_t row);
 
 /* Where a place of the map lies, in field coordinates; false if that is not in reach. Places of the map that are

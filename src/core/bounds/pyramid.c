@@ -150,9 +150,9 @@ static float steepest(const cw_field *f, const struct cw_pyramid *p) {
     return (float)most;
 }
 
-/* The field's box. And from farther away than reach, a ray's origin would add more to errors than the field itself does: half a
- * side's length outside the field; and eight times its range of heights above or below, as rays from a camera above should
- * count as near. */
+/* The field's box. And from farther away than reach, a ray's origin would add more to errors than the field itself
+ * does: half a side's length outside the field; and eight times its range of heights above or below, as rays from a
+ * camera above should count as near. */
 static void set_box(cw_field *f) {
     const float range = f->high - f->low;
     f->lowest[2] = f->low; /* before it are zeros */

@@ -17,8 +17,8 @@ cw_rectangle cw_reach_grow(const terrain *whole, cw_rectangle part, double more)
 /* The least rectangle that holds both; one without samples counts for nothing. */
 cw_rectangle cw_reach_both(cw_rectangle a, cw_rectangle b);
 
-/* The samples within so many metres of a place in the whole raster's field coordinates, as view_limits.h measures them: the least
- * rectangle that has them, which has no samples if there are none. */
+/* The samples within so many metres of a place in the whole raster's field coordinates, as view_limits.h measures them:
+ * the least rectangle that has them, which has no samples if there are none. */
 cw_rectangle cw_reach_within(const terrain *whole, const double at[2], double metres);
 
 /* The samples that a viewshed from there to that distance looks at. */

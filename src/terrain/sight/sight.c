@@ -98,8 +98,8 @@ static double bound_between(const way *w, double a, double b, int level) {
     return height + pad > 0 ? (near > 0 ? (height + pad) / near : INFINITY) : (height + pad) / far;
 }
 
-/* All of the way, or from so many cells from the target on, in which something may rise more steeply than *steepest, which look may raise.
- * Stretches end at whole fours of cells. */
+/* All of the way, or from so many cells from the target on, in which something may rise more steeply than *steepest,
+ * which look may raise. Stretches end at whole fours of cells. */
 static inline void look_along(const way *w, double from, const double *steepest, way_look *look, void *context) {
     const sight_bounds *bounds = w->sight->bounds;
     int level = 0;

@@ -17,8 +17,8 @@ typedef struct sweep_way {
     double rise, error;
 } sweep_way;
 
-/* Called once for every sample of the field with a height, from several threads; but not for the one right under the eye, those beyond
- * the greatest distance, those of spans, and those above which something is known to hide a target. */
+/* Called once for every sample of the field with a height, from several threads; but not for the one right under the
+ * eye, those beyond the greatest distance, those of spans, and those above which something must hide a target. */
 typedef void sweep_visit(void *context, size_t i, size_t j, const sweep_way *way);
 
 /* Samples near one another about which the sweep leaves nothing open: those of the bits `which`, the last of which is number

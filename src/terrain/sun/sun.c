@@ -14,8 +14,8 @@ static const double degree = 0.017453292519943295;
 
 static double turn(double degrees) { return degrees - 360 * floor(degrees / 360); }
 
-/* Refraction: the rise of a true altitude by the air, in degrees, at 1010 hPa and 10 degrees Celsius. None below -1 degree, where
- * nothing is seen. */
+/* Refraction: the rise of a true altitude by the air, in degrees, at 1010 hPa and 10 degrees Celsius. None below -1
+ * degree, where nothing is seen. */
 static double refraction_at(double altitude) {
     if (altitude < -1) return 0;
     const double seen = 1.02 / (60 * tan((altitude + 10.3 / (altitude + 5.11)) * degree));
