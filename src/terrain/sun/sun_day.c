@@ -22,16 +22,22 @@ static way_out look_toward(const sight *s, double azimuth, double max_distance) 
     return w;
 }
 
+/* Degrees of the steepest rise on the way; NaN if there is no terrain. */
+static double angle_along(sight *s, const way_out *w, sight_rise *r) {
+    s->at_crossings = true;
+    *r = cw_sight_steepest(s, w->to[0], w->to[1], -INFINITY);
+    const double rise = r->steepest * terrain_metres_of_height(s->terrain) / (w->steps * w->metres);
+    return r->steepest == -INFINITY ? NAN : atan(rise) / degree;
+}
+
 place_horizon cw_place_horizon(sight *s, double azimuth, double max_distance) {
     FPENV_HERE;
     const terrain *t = s->terrain;
-    place_horizon h = {azimuth, NAN, NAN, {NAN, NAN}};
-    s->at_crossings = true;
     const way_out w = look_toward(s, azimuth, max_distance);
-    const sight_rise r = cw_sight_steepest(s, w.to[0], w.to[1], -INFINITY);
-    if (r.steepest == -INFINITY) return h;
+    sight_rise r;
+    place_horizon h = {azimuth, angle_along(s, &w, &r), NAN, {NAN, NAN}};
+    if (isnan(h.angle)) return h;
     const double cells = cw_sight_nearest(s, w.to[0], w.to[1], r) * w.steps;
-    h.angle = atan(r.steepest * terrain_metres_of_height(t) / (w.steps * w.metres)) / (3.141592653589793 / 180);
     h.distance = cells * w.metres;
     terrain_to_map(t, s->eye[0] + cells * w.dir[0], s->eye[1] + cells * w.dir[1], h.at);
     return h;
@@ -49,9 +55,11 @@ double cw_sun_day_sky(sight *s, const sun_day_desc *d) {
     double sum = 0;
     for (unsigned k = 0; k < d->sky; k++) {
         const double azimuth = fmod(360.0 * k / d->sky, 360);
-        const place_horizon h = cw_place_horizon(s, azimuth, d->max_distance);
+        const way_out w = look_toward(s, azimuth, d->max_distance);
+        sight_rise r;
+        const double angle = angle_along(s, &w, &r);
         const double lean = -level * cos((azimuth - d->facing) * degree);
-        const double hidden = h.angle > 0 ? tan(h.angle * degree) : 0, edge = lean / up;
+        const double hidden = angle > 0 ? tan(angle * degree) : 0, edge = lean / up;
         if (up > 0)
             sum += light_above(fmax(hidden, edge), up, lean);
         else if (edge > hidden) /* an overhang, which sees the sky up to its own edge */
