@@ -313,6 +313,7 @@ def test_fields_do_not_depend_on_the_environment(library, modes):
         library.well("cw_field_update", field, None, library.struct("cw_update", at=(1, 1, 5, 5), samples=library.keep(z[2:7, 2:7].astype("f4"))))
         library.well("cw_field_build", field, library.run(kernel="grid3d"))
         coarse = int(library.well("cw_field_coarser", mapped, watched(), 3, 0, Room("u8"), None, 0)[0])
+        library.fields.append(coarse)
         heading = library.well("cw_heading_create", mapped, library.struct("cw_heading_desc", dir=(0.1, 1), drop=0.7), Room("u8"))
         seen = library.closest(field, down, watched(kernel="cell"))
         library.call("set_mode", 99)
