@@ -340,8 +340,8 @@ CW_API cw_status cw_surface_at_user(const cw_field *field, const cw_run *run, co
 /* The point on the triangle, from i, j, triangle, u and v. It lies on the surface to rounding, unlike org + t · dir. */
 CW_API cw_status cw_hit_points(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *points);
 
-/* The triangle's unit normal, on the side of growing z. NaN too on maps whose axes differ by more than 10^300, which
- * doubles cannot hold. */
+/* The triangle's unit normal, on the side of growing z. It may be NaN on maps whose axes differ by 10^320 and more,
+ * which doubles cannot hold. */
 CW_API cw_status cw_hit_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n,
                                 double *normals);
 

@@ -31,19 +31,11 @@
  * (papers/walks.md). */
 enum { SOON_CELLS = 8, LOW_HEIGHT = 8, OPENS = 48 };
 
-/* The ray's crossings in all lanes, mirrored. */
-typedef struct one_lanes {
-    vfloat center[2], inverse[2];
-    bool up_x, up_y;
-    int32_t mirror_x, mirror_y; /* 4 · number XOR this: mirrored number of a node's first child in walk order */
-} one_lanes;
-
 /* The find of a leaf test in cell (i, j): see strict_find. */
 typedef struct one_find {
     int32_t i, j;
     float t0, t1;
     bool b;
-    bool plain; /* the ray is: see one_ray */
 } one_find;
 
 /* The children of a node in lanes k W and on. */
@@ -52,13 +44,20 @@ typedef struct one_children {
     vfloat x_in, y_in, x_out, y_out;
 } one_children;
 
+/* The ray's crossings in all lanes, mirrored so that it goes up along both axes, which no operation rounds differently. */
+typedef struct one_lanes {
+    vfloat center[2], inverse[2];
+    bool up_x, up_y;
+} one_lanes;
+
 /* Of node (x, y), whose children have that side. Whole numbers, which nothing rounds. */
 CW_INLINE one_children children_of(const one_lanes *a, int32_t x, int32_t y, float side, size_t k) {
     one_children c;
     const vfloat s = vf_set(side);
-    const float first_x = (float)(4 * x ^ a->mirror_x), first_y = (float)(4 * y ^ a->mirror_y);
-    c.x = vf_mul(vf_add(vf_set(first_x), vf_load(lane_x[a->up_x] + k * COLUMNS_STEP)), s);
-    c.y = vf_mul(vf_add(vf_set(first_y), vf_load(lane_y + k * W)), s);
+    /* 4 · number XOR this is the mirrored number of the first child in walk order. */
+    const int32_t mirror_x = a->up_x ? 0 : ~3, mirror_y = a->up_y ? 0 : ~3;
+    c.x = vf_mul(vf_add(vf_set((float)(4 * x ^ mirror_x)), vf_load(lane_x[a->up_x] + k * COLUMNS_STEP)), s);
+    c.y = vf_mul(vf_add(vf_set((float)(4 * y ^ mirror_y)), vf_load(lane_y + k * W)), s);
     c.x_in = vf_mul(vf_sub(c.x, a->center[0]), a->inverse[0]);
     c.y_in = vf_mul(vf_sub(c.y, a->center[1]), a->inverse[1]);
     c.x_out = vf_mul(vf_sub(vf_add(c.x, s), a->center[0]), a->inverse[0]);
@@ -120,7 +119,7 @@ static inline bool test_block(const one_lanes *a, const vray *r, const cw_field 
 }
 
 /* True if the ray hits nothing in node (x, y) of a level. */
-static inline bool slab_misses(const one_ray *r, const cw_field *f, int level, int32_t x, int32_t y) {
+static inline bool slab_misses(const strict_ray *r, const cw_field *f, int level, int32_t x, int32_t y) {
     const struct cw_pyramid *p = f->pyramid;
     const int32_t side = (int32_t)4 << 2 * level;
     const cw_pyramid_slab *s =
@@ -128,17 +127,17 @@ static inline bool slab_misses(const one_ray *r, const cw_field *f, int level, i
     const float *bounds = cw_pyramid_node(&p->level[level], (size_t)x, (size_t)y);
     if (!(s->low <= s->high)) return true;
     const int32_t corner[2] = {x * side, y * side};
+    const strict_axis *const axis[2] = {&r->x, &r->y};
     float t0 = r->from, t1 = r->until;
     for (int c = 0; c < 2; c++) {
-        const bool up = c == 0 ? r->up_x : r->up_y;
-        const float low_border = up ? (float)corner[c] : -(float)(corner[c] + side);
-        t0 = max_second(t0, (low_border - r->center[c]) * r->inverse[c]);
-        t1 = min_second(t1, (low_border + (float)side - r->center[c]) * r->inverse[c]);
+        const bool up = axis[c]->step > 0;
+        t0 = max_second(t0, strict_crossing(axis[c], (float)(corner[c] + (up ? 0 : side))));
+        t1 = min_second(t1, strict_crossing(axis[c], (float)(corner[c] + (up ? side : 0))));
     }
     const double u = (double)(FLT_EPSILON / 2), low = (double)s->low, high = (double)s->high, half = 0.5 * side;
-    const double oz = (double)r->org[2], dz = (double)r->dir[2], a = (double)s->slope_x, b = (double)s->slope_y;
-    const double dx = (double)r->dir[0], dy = (double)r->dir[1];
-    const double px = (double)r->org[0] - (corner[0] + half), py = (double)r->org[1] - (corner[1] + half);
+    const double oz = (double)r->oz, dz = (double)r->dz, a = (double)s->slope_x, b = (double)s->slope_y;
+    const double dx = (double)r->x.dir, dy = (double)r->y.dir;
+    const double px = (double)r->x.org - (corner[0] + half), py = (double)r->y.org - (corner[1] + half);
     const double steep = fabs(a) + fabs(b), sigma = steep + (high - low),
                  absolute = max_second_d(fabs(low), fabs(high));
     /* Slabs with a slope have been set outward for rays from anywhere (cw_slab_outward). That is taken back, and replaced by
@@ -157,29 +156,28 @@ static inline bool slab_misses(const one_ray *r, const cw_field *f, int level, i
 
 /* late: from t on, from the top, with slabs from the first node on. */
 static __attribute__((noinline)) bool walk_one(const cw_field *f, const cw_ray *ray, bool late, float t,
-                                               one_find *found) {
+                                               strict_ray *one, one_find *found) {
     const struct cw_pyramid *p = f->pyramid;
-    one_ray one;
-    if (!make_one_ray(&one, f, ray)) return false;
-    if (late) one.from = max_second(t, one.from);
-    vray r;
-    r.x.org = vf_set(one.org[0]), r.x.dir = vf_set(one.dir[0]), r.x.up = vm_set(one.up_x);
-    r.y.org = vf_set(one.org[1]), r.y.dir = vf_set(one.dir[1]), r.y.up = vm_set(one.up_y);
-    r.oz = vf_set(one.org[2]), r.dz = vf_set(one.dir[2]);
-    r.t0 = vf_set(one.t0), r.t1 = vf_set(one.t1), r.from = vf_set(one.from), r.until = vf_set(one.until);
-    const int flip_x = flip(one.up_x), flip_y = flip(one.up_y);
-    one_lanes a = {.up_x = one.up_x, .up_y = one.up_y, .mirror_x = one.up_x ? 0 : ~3, .mirror_y = one.up_y ? 0 : ~3};
+    if (!init_one_ray(one, f, ray)) return false;
+    if (late) one->from = max_second(t, one->from);
+    one_lanes a = {.up_x = one->x.step > 0, .up_y = one->y.step > 0};
+    const strict_axis *const axis[2] = {&one->x, &one->y};
     for (int c = 0; c < 2; c++) {
-        a.center[c] = vf_set(one.center[c]);
-        a.inverse[c] = vf_set(one.inverse[c]);
+        a.center[c] = vf_set((float)axis[c]->step * axis[c]->center);
+        a.inverse[c] = vf_set(fabsf(axis[c]->inverse));
     }
-    found->plain = one.plain;
+    vray r;
+    r.x.org = vf_set(one->x.org), r.x.dir = vf_set(one->x.dir), r.x.up = vm_set(a.up_x);
+    r.y.org = vf_set(one->y.org), r.y.dir = vf_set(one->y.dir), r.y.up = vm_set(a.up_y);
+    r.oz = vf_set(one->oz), r.dz = vf_set(one->dz);
+    r.t0 = vf_set(one->t0), r.t1 = vf_set(one->t1), r.from = vf_set(one->from), r.until = vf_set(one->until);
+    const int flip_x = flip(a.up_x), flip_y = flip(a.up_y);
     unsigned mask = 0, done = 0, todo[PYRAMID_LEVELS_MAX];
     int level = p->levels - 1, left = late ? 0 : OPENS; /* -1: cells */
     int32_t x = 0, y = 0;
     if (!late) {
-        const int32_t i = cell_at(&one, 0, one.from, f->nx), j = cell_at(&one, 1, one.from, f->ny);
-        const float height = one.from * one.dir[2] - (f->z[(size_t)j * f->stride + (size_t)i] - one.org[2]);
+        const int32_t i = cell_at(&one->x, one->from, f->nx), j = cell_at(&one->y, one->from, f->ny);
+        const float height = one->from * one->dz - (f->z[(size_t)j * f->stride + (size_t)i] - one->oz);
         if (fabsf(height) <= LOW_HEIGHT) level = -1, x = i >> 2, y = j >> 2;
     }
     int top = level;
@@ -190,7 +188,7 @@ static __attribute__((noinline)) bool walk_one(const cw_field *f, const cw_ray *
         } else {
             const bool judged = left == 0 && level + 1 < p->levels;
             mask =
-                judged && slab_misses(&one, f, level + 1, x, y) ? 0 : open_node(&a, &r, &p->level[level], x, y) & ~done;
+                judged && slab_misses(one, f, level + 1, x, y) ? 0 : open_node(&a, &r, &p->level[level], x, y) & ~done;
             done = 0;
         }
         while (mask == 0) {
@@ -234,6 +232,7 @@ static inline bool falls_soon(const cw_field *f, const cw_ray *ray) {
 void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     for (size_t k = 0; k < n; k++) {
         one_find at;
+        strict_ray one;
         cw_hit *const hit = hits ? &hits[k] : NULL;
         uint8_t *const blocked = hits ? NULL : &occluded[k];
         if (falls_soon(f, &rays[k]) && cw_cell_few(f, &rays[k], SOON_CELLS, hit, blocked)) continue;
@@ -241,7 +240,7 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
             cw_pyramid1.trace[CW_LEAF_WATERTIGHT](f, &rays[k], 1, hit, blocked);
             continue;
         }
-        const bool found = walk_one(f, &rays[k], false, 0, &at);
+        const bool found = walk_one(f, &rays[k], false, 0, &one, &at);
         if (hits == NULL) {
             occluded[k] = found;
         } else if (found) {
@@ -252,9 +251,7 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
                                    .h10 = row[1],
                                    .h01 = row[f->stride],
                                    .h11 = row[f->stride + 1]};
-            ray_start start;
-            start_again(&start, f, &rays[k], at.plain);
-            hits[k] = refine_hit(&start, &c, &(strict_find){at.t0, at.t1, at.b});
+            hits[k] = refine_hit(&one.start, &c, &(strict_find){at.t0, at.t1, at.b});
         } else { /* not by miss(), which compilers make elsewhere and copy */
             hits[k].t = INFINITY;
             hits[k].i = hits[k].j = -1;
@@ -266,7 +263,8 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
 
 bool CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, float find[FOUND_NUMBERS]) {
     one_find at;
-    if (!walk_one(f, ray, true, t, &at)) return false;
+    strict_ray one;
+    if (!walk_one(f, ray, true, t, &one, &at)) return false;
     const float *row = f->z + (size_t)at.j * f->stride + (size_t)at.i, *corner = at.b ? row + f->stride : row + 1;
     const float numbers[FOUND_NUMBERS] = {at.t0,  at.t1,   (float)at.i,        (float)at.j,
                                           row[0], *corner, row[f->stride + 1], at.b ? 1 : 0};

@@ -209,10 +209,12 @@ CW_INLINE void make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
     r->until = vf_select(vm_and(beyond1, vf_lt(s1, r->t1)), s1, r->t1);
 }
 
-/* From the numbers of rays. Returns the lanes that may hit; if there are none, the slab is not computed. *start is set only if
- * r->moved, for refine_hits. */
-CW_INLINE vmask make_rays_of(vray *r, const cw_field *f, const vfloat c[8], cw_leaf leaf, vstart *start) {
+/* Returns the lanes that may hit; if there are none, the slab is not computed. *start is set only if r->moved, for
+ * refine_hits. */
+CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
+    vfloat c[8];
     vstart s;
+    vf_load_rays(rays, c);
     vmask alive = start_rays(&s, f, c, start);
     alive = vm_and(alive, make_axis(&r->x, s.org[0], s.dir[0], f->nx, s.plain));
     alive = vm_and(alive, make_axis(&r->y, s.org[1], s.dir[1], f->ny, s.plain));
@@ -228,11 +230,6 @@ CW_INLINE vmask make_rays_of(vray *r, const cw_field *f, const vfloat c[8], cw_l
     else
         r->from = r->until = r->t0;
     return alive;
-}
-CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
-    vfloat c[8];
-    vf_load_rays(rays, c);
-    return make_rays_of(r, f, c, leaf, start);
 }
 
 #endif

@@ -44,8 +44,8 @@ enum { FP_MODES = 0 };
 #endif
 static size_t mode = FP_MODES;
 
-/* Bit 4 unmasks all exceptions and raises the flags of two; else they are masked. Bit 0 flushes denormal results to zero, bit 1 takes denormal operands for zero, the rest
- * chooses the rounding. On ARM bit 0 is for operands and results both, and bit 1 gives every NaN the same bits. */
+/* Bit 0 flushes denormal results to zero, bit 1 takes denormal operands for zero, two bits choose the rounding, and bit 4 unmasks all
+ * exceptions and raises the flags of two. On ARM bit 0 is for operands and results both, and bit 1 gives every NaN the same bits. */
 static fpenv environment(fpenv now) {
 #if defined(__SSE__)
     enum { FTZ = 0x8000, DAZ = 0x40, ROUNDING = 0x2000, MASKS = 0x1f80, FLAGS = 0x9 };
