@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The 16 children of a node, or the 16 cells of a block: lanes are places.
+/* The 16 children of a node, or the 16 cells of a block: lane 4 y + x is the one in row y and column x.
  *
- * Lane 4 y + x is the child in row y of walk order, counted from where the ray enters y, and in column x of the field. Masks of
- * children are in walk order along x too, so their lowest set bit is always the nearest: a ray goes through the 4 × 4 children
- * along a monotone staircase. Descending takes the lowest bit. Coming back up needs the rest of the mask, which is all the state
- * of a level. */
+ * A ray goes through them along a monotone staircase. So with the columns numbered from where the ray enters if it goes up in y, and
+ * else from where it leaves, the nearest of some children is the lowest or the highest bit of their mask. Descending takes
+ * that bit. Coming back up needs the rest of the mask, which is all the state of a level. Rejected: lanes in walk order, whose
+ * loads have to be put together (papers/walks.md). */
 #ifndef CELLWALK_SIMD_CHILDREN_H
 #define CELLWALK_SIMD_CHILDREN_H
 
@@ -15,28 +15,27 @@
 
 enum { CHILDREN = 16, CHILD_VECTORS = CHILDREN / W };
 
-/* Column, for rays that go down and up in x, and row, in walk order, of the child in each lane. */
-static const float lane_x[2][CHILDREN] = {{3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0},
-                                          {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3}};
-static const float lane_y[CHILDREN] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+/* Low and high border of the child in each lane, in sides of a child. */
+static const float lane_x[2][CHILDREN] = {{0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3},
+                                          {1, 2, 3, 4, 1, 2, 3, 4, 1, 2, 3, 4, 1, 2, 3, 4}};
+static const float lane_y[2][CHILDREN] = {{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3},
+                                          {1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4}};
 /* Columns are the same in each row, so vectors of whole rows share what follows from them. */
 enum { COLUMNS_STEP = W < 4 ? W : 0 };
 
-/* A mask of lanes in walk order. */
-static inline unsigned in_walk_order(unsigned lanes, bool up_x) {
-    if (up_x) return lanes;
+/* Whether a ray goes up along the axes. */
+typedef struct quadrant {
+    bool up_x, up_y;
+} quadrant;
+
+/* Bit k of a mask in walk order is child k XOR this. */
+static inline int turn(quadrant q) { return q.up_x == q.up_y ? 0 : 3; }
+static inline unsigned in_walk_order(unsigned lanes, quadrant q) {
+    if (q.up_x == q.up_y) return lanes;
     lanes = (lanes & 0x5555) << 1 | (lanes >> 1 & 0x5555);
     return (lanes & 0x3333) << 2 | (lanes >> 2 & 0x3333);
 }
-
-/* Number in walk order, XOR this, is the number in the field. */
-static inline int flip(bool up) { return up ? 0 : 3; }
-
-/* First row, in walk order, of a block with rows stride floats apart; and the step to the next row. */
-static inline const float *first_row(bool up_y, const float *block, size_t stride) {
-    return block + (size_t)flip(up_y) * stride;
-}
-static inline ptrdiff_t row_step(bool up_y, size_t stride) { return up_y ? (ptrdiff_t)stride : -(ptrdiff_t)stride; }
+static inline int nearest(unsigned mask, quadrant q) { return q.up_y ? __builtin_ctz(mask) : 31 - __builtin_clz(mask); }
 
 /* The block's 5 × 5 samples: in place, or a copy with holes outside the field if part of the block lies outside. */
 typedef struct block_samples {

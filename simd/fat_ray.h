@@ -46,10 +46,9 @@ static inline int packets_of(ray_set rays) {
     return n;
 }
 
-/* Intervals over some rays, each number in all lanes, in mirrored coordinates, in which x and y grow along the rays:
- * centers times the sign of the direction, inverses without sign. */
+/* Intervals over some rays, each number in all lanes: of centers the end for entry borders and that for exit borders. */
 typedef struct fat_axis {
-    vfloat center_low, center_high, inverse_low, inverse_high;
+    vfloat center_in, center_out, inverse_low, inverse_high;
 } fat_axis;
 
 /* Whole cache lines: of another size, it moves other arrays of the stack to where stores and loads collide (papers/walks.md). */
@@ -58,7 +57,7 @@ typedef struct fat_ray {
     fat_axis y;
     vfloat oz_low, oz_high, dz_low, dz_high;
     vfloat from, until;
-    bool up_x, up_y;
+    quadrant q;
 } fat_ray;
 
 /* True if the rays are coherent: in one direction quadrant, directions within 1/8 of the first one's length from it,
@@ -116,8 +115,8 @@ static __attribute__((noinline)) bool fat_init(fat_ray *a, const packet *packets
     vf_lowest_of_each(hull, low);
     const float *minus_high = low + HULL_NUMBERS;
 
-    a->up_x = vm_bits(packets[first / W].r.x.up) >> (first % W) & 1;
-    a->up_y = vm_bits(packets[first / W].r.y.up) >> (first % W) & 1;
+    a->q.up_x = vm_bits(packets[first / W].r.x.up) >> (first % W) & 1;
+    a->q.up_y = vm_bits(packets[first / W].r.y.up) >> (first % W) & 1;
     a->oz_low = vf_set(low[HULL_OZ]);
     a->oz_high = vf_set(-minus_high[HULL_OZ]);
     a->dz_low = vf_set(low[HULL_DZ]);
@@ -125,88 +124,82 @@ static __attribute__((noinline)) bool fat_init(fat_ray *a, const packet *packets
     a->from = vf_set(low[HULL_FROM]);
     a->until = vf_set(-minus_high[HULL_UNTIL]);
     fat_axis *const axis[2] = {&a->x, &a->y};
-    for (int c = 0; c < 2; c++) { /* mirrored where rays go down */
-        const bool up = c == 0 ? a->up_x : a->up_y;
-        const float *l = up ? low + 2 * c : minus_high + 2 * c, *h = up ? minus_high + 2 * c : low + 2 * c;
-        axis[c]->center_low = vf_set(l[0]);
-        axis[c]->center_high = vf_set(-h[0]);
-        axis[c]->inverse_low = vf_set(l[1]);
-        axis[c]->inverse_high = vf_set(-h[1]);
+    for (int c = 0; c < 2; c++) {
+        const bool up = c == 0 ? a->q.up_x : a->q.up_y;
+        const vfloat least = vf_set(low[2 * c]), most = vf_set(-minus_high[2 * c]);
+        axis[c]->center_in = up ? most : least;
+        axis[c]->center_out = up ? least : most;
+        axis[c]->inverse_low = vf_set(low[2 * c + 1]);
+        axis[c]->inverse_high = vf_set(-minus_high[2 * c + 1]);
     }
     /* Only rays that go up have infinite ones. */
-    const bool mixed_x = a->up_x && -minus_high[HULL_X_INVERSE] > FLT_MAX && low[HULL_X_INVERSE] <= FLT_MAX;
-    const bool mixed_y = a->up_y && -minus_high[HULL_Y_INVERSE] > FLT_MAX && low[HULL_Y_INVERSE] <= FLT_MAX;
+    const bool mixed_x = a->q.up_x && -minus_high[HULL_X_INVERSE] > FLT_MAX && low[HULL_X_INVERSE] <= FLT_MAX;
+    const bool mixed_y = a->q.up_y && -minus_high[HULL_Y_INVERSE] > FLT_MAX && low[HULL_Y_INVERSE] <= FLT_MAX;
     return !mixed_x && !mixed_y;
 }
 
-/* The earliest t at which one of the rays crosses an entry border, and the latest for an exit border, in mirrored
- * coordinates. */
+/* The earliest t at which one of the rays crosses an entry border, and the latest for an exit border. */
 static inline vfloat fat_in(const fat_axis *a, vfloat border) {
-    const vfloat far = vf_sub(border, a->center_high);
+    const vfloat far = vf_sub(border, a->center_in);
     return vf_min(vf_mul(far, a->inverse_low), vf_mul(far, a->inverse_high));
 }
 static inline vfloat fat_out(const fat_axis *a, vfloat border) {
-    const vfloat far = vf_sub(border, a->center_low);
+    const vfloat far = vf_sub(border, a->center_out);
     return vf_max(vf_mul(far, a->inverse_low), vf_mul(far, a->inverse_high));
 }
 
-/* Of the 16 places of the given side at packet k, those in which some ray may meet heights in [low, high]. start_x and
- * start_y are the mirrored borders at which walk order begins. */
-static inline vmask fat_meets(const fat_ray *a, vfloat start_x, vfloat start_y, vfloat side, size_t k, vfloat low,
-                              vfloat high) {
-    const vfloat x = vf_add(start_x, vf_mul(vf_load(lane_x[a->up_x] + k * COLUMNS_STEP), side));
-    const vfloat y = vf_add(start_y, vf_mul(vf_load(lane_y + k * W), side));
-    const vfloat t0 = vf_max(vf_max(fat_in(&a->x, x), fat_in(&a->y, y)), a->from);
-    const vfloat t1 = vf_min(vf_min(fat_out(&a->x, vf_add(x, side)), fat_out(&a->y, vf_add(y, side))), a->until);
+/* Of the 16 places of the given side at packet k, with low corner (x, y), those in which some ray may meet heights in [low, high]. */
+static inline vmask fat_meets(const fat_ray *a, vfloat x, vfloat y, vfloat side, size_t k, vfloat low, vfloat high) {
+    const bool up_x = a->q.up_x, up_y = a->q.up_y;
+    const vfloat enter_x = vf_add(x, vf_mul(vf_load(lane_x[!up_x] + k * COLUMNS_STEP), side));
+    const vfloat leave_x = vf_add(x, vf_mul(vf_load(lane_x[up_x] + k * COLUMNS_STEP), side));
+    const vfloat enter_y = vf_add(y, vf_mul(vf_load(lane_y[!up_y] + k * W), side));
+    const vfloat leave_y = vf_add(y, vf_mul(vf_load(lane_y[up_y] + k * W), side));
+    const vfloat t0 = vf_max(vf_max(fat_in(&a->x, enter_x), fat_in(&a->y, enter_y)), a->from);
+    const vfloat t1 = vf_min(vf_min(fat_out(&a->x, leave_x), fat_out(&a->y, leave_y)), a->until);
     const vfloat bottom = vf_min(vf_mul(t0, a->dz_low), vf_mul(t1, a->dz_low));
     const vfloat top = vf_max(vf_mul(t0, a->dz_high), vf_mul(t1, a->dz_high));
     const vmask meets = vm_and(vf_ge(top, vf_sub(low, a->oz_high)), vf_le(bottom, vf_sub(high, a->oz_low)));
     return vm_and(vf_le(t0, t1), meets);
 }
 
-static inline vfloat mirrored_start(bool up, int32_t place, float side) {
-    return vf_set(up ? (float)place * side : -((float)place + 4) * side);
-}
-
+/* The children of node (x, y) that some ray may meet, in walk order. */
 static inline unsigned fat_open(const fat_ray *a, const cw_pyramid_level *l, int32_t x, int32_t y) {
     const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
-    const vfloat start_x = mirrored_start(a->up_x, 4 * x, l->side), start_y = mirrored_start(a->up_y, 4 * y, l->side);
-    const float *row = first_row(a->up_y, brick, 4);
-    const ptrdiff_t step = row_step(a->up_y, 4);
+    const vfloat side = vf_set(l->side), low_x = vf_set((float)(4 * x) * l->side),
+                 low_y = vf_set((float)(4 * y) * l->side);
     unsigned mask = 0;
     for (size_t k = 0; k < CHILD_VECTORS; k++)
-        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(l->side), k, vf_load_block(row, step, k),
-                                  vf_load_block(row + 16, step, k)))
+        mask |= vm_bits(fat_meets(a, low_x, low_y, side, k, vf_load(brick + k * W), vf_load(brick + CHILDREN + k * W)))
                 << (k * W);
-    return in_walk_order(mask, a->up_x);
+    return in_walk_order(mask, a->q);
 }
 
-/* The cells of a block that some ray may meet. Also sets the cells' lowest and highest samples. */
+/* The cells of a block that some ray may meet, in walk order. Also sets the cells' lowest and highest samples. */
 static inline unsigned fat_cells(const fat_ray *a, block_samples *s, int32_t x, int32_t y) {
-    const vfloat start_x = mirrored_start(a->up_x, 4 * x, 1), start_y = mirrored_start(a->up_y, 4 * y, 1);
-    const float *row = first_row(a->up_y, s->z, s->stride);
-    const ptrdiff_t step = row_step(a->up_y, s->stride);
+    const vfloat low_x = vf_set((float)(4 * x)), low_y = vf_set((float)(4 * y));
+    const ptrdiff_t step = (ptrdiff_t)s->stride;
     unsigned mask = 0;
     for (size_t k = 0; k < CHILD_VECTORS; k++) {
         vcell c;
-        c.h00 = vf_load_block(row, step, k);
-        c.h10 = vf_load_block(row + 1, step, k);
-        c.h01 = vf_load_block(row + s->stride, step, k);
-        c.h11 = vf_load_block(row + s->stride + 1, step, k);
+        c.h00 = vf_load_block(s->z, step, k);
+        c.h10 = vf_load_block(s->z + 1, step, k);
+        c.h01 = vf_load_block(s->z + step, step, k);
+        c.h11 = vf_load_block(s->z + step + 1, step, k);
         const vfloat low = cell_low(&c), high = cell_high(&c);
         vf_store(s->low + k * W, low);
         vf_store(s->high + k * W, high);
-        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(1), k, low, high)) << (k * W);
+        mask |= vm_bits(fat_meets(a, low_x, low_y, vf_set(1), k, low, high)) << (k * W);
     }
-    return in_walk_order(mask, a->up_x);
+    return in_walk_order(mask, a->q);
 }
 
 /* Crossings of the place with lowest corner (x, y), a ray a lane. */
-static inline void place_crossings(const vray *r, bool up_x, bool up_y, float x, float y, float side, vcell *c) {
-    c->x_in = crossing(&r->x, vf_set(up_x ? x : x + side));
-    c->x_out = crossing(&r->x, vf_set(up_x ? x + side : x));
-    c->y_in = crossing(&r->y, vf_set(up_y ? y : y + side));
-    c->y_out = crossing(&r->y, vf_set(up_y ? y + side : y));
+static inline void place_crossings(const vray *r, quadrant q, float x, float y, float side, vcell *c) {
+    c->x_in = crossing(&r->x, vf_set(q.up_x ? x : x + side));
+    c->x_out = crossing(&r->x, vf_set(q.up_x ? x + side : x));
+    c->y_in = crossing(&r->y, vf_set(q.up_y ? y : y + side));
+    c->y_out = crossing(&r->y, vf_set(q.up_y ? y + side : y));
 }
 
 /* The rays whose heights over the block meet its bounds. */
@@ -219,7 +212,7 @@ static inline ray_set block_rays(const fat_ray *a, const packet *packets, ray_se
         const size_t p = next_packet(&left);
         const vray *r = &packets[p].r;
         vcell c;
-        place_crossings(r, a->up_x, a->up_y, (float)(4 * x), (float)(4 * y), 4, &c);
+        place_crossings(r, a->q, (float)(4 * x), (float)(4 * y), 4, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
         concerned |= (ray_set)vm_bits(vm_and(vf_le(t0, t1), meets(r, t0, t1, vf_set(n[0]), vf_set(n[16])))) << (p * W);
     }

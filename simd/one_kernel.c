@@ -38,81 +38,64 @@ typedef struct one_find {
     bool b;
 } one_find;
 
-/* The children of a node in lanes k W and on. */
-typedef struct one_children {
-    vfloat x, y; /* low corners, mirrored */
-    vfloat x_in, y_in, x_out, y_out;
-} one_children;
-
-/* The ray's crossings in all lanes, mirrored so that it goes up along both axes, which no operation rounds differently. */
-typedef struct one_lanes {
-    vfloat center[2], inverse[2];
-    bool up_x, up_y;
-} one_lanes;
-
-/* Of node (x, y), whose children have that side. Whole numbers, which nothing rounds. */
-CW_INLINE one_children children_of(const one_lanes *a, int32_t x, int32_t y, float side, size_t k) {
-    one_children c;
-    const vfloat s = vf_set(side);
-    /* 4 · number XOR this is the mirrored number of the first child in walk order. */
-    const int32_t mirror_x = a->up_x ? 0 : ~3, mirror_y = a->up_y ? 0 : ~3;
-    c.x = vf_mul(vf_add(vf_set((float)(4 * x ^ mirror_x)), vf_load(lane_x[a->up_x] + k * COLUMNS_STEP)), s);
-    c.y = vf_mul(vf_add(vf_set((float)(4 * y ^ mirror_y)), vf_load(lane_y + k * W)), s);
-    c.x_in = vf_mul(vf_sub(c.x, a->center[0]), a->inverse[0]);
-    c.y_in = vf_mul(vf_sub(c.y, a->center[1]), a->inverse[1]);
-    c.x_out = vf_mul(vf_sub(vf_add(c.x, s), a->center[0]), a->inverse[0]);
-    c.y_out = vf_mul(vf_sub(vf_add(c.y, s), a->center[1]), a->inverse[1]);
-    return c;
+/* Crossings with the borders of node (x, y)'s children, which have that side, in lanes k W and on. Borders are whole numbers, which
+ * nothing rounds. */
+CW_INLINE void cross_children(const vray *r, quadrant q, int32_t x, int32_t y, float side, size_t k, vcell *c) {
+    const vfloat s = vf_set(side), low_x = vf_set((float)(4 * x) * side), low_y = vf_set((float)(4 * y) * side);
+    const size_t column = k * COLUMNS_STEP, row = k * W;
+    c->x_in = crossing(&r->x, vf_add(low_x, vf_mul(vf_load(lane_x[!q.up_x] + column), s)));
+    c->y_in = crossing(&r->y, vf_add(low_y, vf_mul(vf_load(lane_y[!q.up_y] + row), s)));
+    c->x_out = crossing(&r->x, vf_add(low_x, vf_mul(vf_load(lane_x[q.up_x] + column), s)));
+    c->y_out = crossing(&r->y, vf_add(low_y, vf_mul(vf_load(lane_y[q.up_y] + row), s)));
 }
 
-/* The children of node (x, y) that the ray meets. */
-CW_INLINE unsigned open_node(const one_lanes *a, const vray *r, const cw_pyramid_level *l, int32_t x, int32_t y) {
+/* The children of node (x, y) that the ray meets, in walk order. */
+CW_INLINE unsigned open_node(const vray *r, quadrant q, const cw_pyramid_level *l, int32_t x, int32_t y) {
     const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
-    const float *row = first_row(a->up_y, brick, 4);
-    const ptrdiff_t step = row_step(a->up_y, 4);
     unsigned mask = 0;
     for (size_t k = 0; k < CHILD_VECTORS; k++) {
-        const one_children c = children_of(a, x, y, l->side, k);
+        vcell c;
+        cross_children(r, q, x, y, l->side, k, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
-        const vmask m = meets(r, t0, t1, vf_load_block(row, step, k), vf_load_block(row + 16, step, k));
-        mask |= vm_bits(vm_and(vf_le(t0, t1), m)) << (k * W);
+        const vfloat z0 = vf_mul(t0, r->dz), z1 = vf_mul(t1, r->dz);
+        const vfloat low = above_origin(r, vf_load(brick + k * W));
+        const vfloat high = above_origin(r, vf_load(brick + CHILDREN + k * W));
+        /* meets, whose second comparison would wait for the first */
+        const vmask here = vm_and(vf_le(t0, t1), vf_ge(vf_max(z0, z1), low));
+        mask |= (vm_bits(here) & vm_bits(vf_le(vf_min(z0, z1), high))) << (k * W);
     }
-    return in_walk_order(mask, a->up_x);
+    return in_walk_order(mask, q);
 }
 
 /* Tests the cells of block (x, y). */
-static inline bool test_block(const one_lanes *a, const vray *r, const cw_field *f, int32_t x, int32_t y,
-                              one_find *found) {
+static inline bool test_block(const vray *r, quadrant q, const cw_field *f, int32_t x, int32_t y, one_find *found) {
     block_samples s;
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
-    const float *row = first_row(a->up_y, s.z, s.stride);
-    const ptrdiff_t step = row_step(a->up_y, s.stride);
+    const ptrdiff_t step = (ptrdiff_t)s.stride;
     for (size_t n = 0; n < CHILD_VECTORS; n++) {
-        const size_t k = W == 1 && !a->up_x ? n ^ 3 : n; /* front to back */
-        const one_children at = children_of(a, x, y, 1, k);
+        size_t k = q.up_y ? n : CHILD_VECTORS - 1 - n; /* front to back */
+        if (W == 1) k ^= (size_t)turn(q);
         vcell c;
-        c.x_in = at.x_in, c.y_in = at.y_in, c.x_out = at.x_out, c.y_out = at.y_out;
+        cross_children(r, q, x, y, 1, k, &c);
         c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
         c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
-        c.h00 = vf_load_block(row, step, k);
-        c.h10 = vf_load_block(row + 1, step, k);
-        c.h01 = vf_load_block(row + s.stride, step, k);
-        c.h11 = vf_load_block(row + s.stride + 1, step, k);
+        c.h00 = vf_load_block(s.z, step, k);
+        c.h10 = vf_load_block(s.z + 1, step, k);
+        c.h01 = vf_load_block(s.z + step, step, k);
+        c.h11 = vf_load_block(s.z + step + 1, step, k);
         const vmask gate = cell_gate(r, &c);
         if (!vm_any(gate)) continue;
-        /* Low corners in the field: the mirrored high ones with the other sign. */
-        const vfloat one = vf_set(1);
-        c.i = a->up_x ? at.x : vf_sub(vf_sub(vf_set(0), at.x), one);
-        c.j = a->up_y ? at.y : vf_sub(vf_sub(vf_set(0), at.y), one);
+        c.i = vf_add(vf_set((float)(4 * x)), vf_load(lane_x[0] + k * COLUMNS_STEP));
+        c.j = vf_add(vf_set((float)(4 * y)), vf_load(lane_y[0] + k * W));
         vfind find;
-        const unsigned hits = in_walk_order(vm_bits(wt_cell_in(r, &c, gate, &find)), a->up_x);
+        const unsigned hits = vm_bits(wt_cell_in(r, &c, gate, &find));
         if (hits == 0) continue;
-        const int lane = __builtin_ctz(hits) ^ flip(a->up_x), place = lane + (int)k * W;
+        const int lane = W == 1 ? 0 : nearest(in_walk_order(hits, q), q) ^ turn(q), place = lane + (int)k * W;
         found->t0 = vf_lane(&find.t0, (unsigned)lane);
         found->t1 = vf_lane(&find.t1, (unsigned)lane);
         found->b = vm_bits(find.b) >> lane & 1;
         found->i = 4 * x + (place & 3);
-        found->j = 4 * y + ((place >> 2) ^ flip(a->up_y));
+        found->j = 4 * y + (place >> 2);
         return true;
     }
     return false;
@@ -154,77 +137,64 @@ static inline bool slab_misses(const strict_ray *r, const cw_field *f, int level
     return min_second_d(d0, d1) > high + pad || max_second_d(d0, d1) < low - pad;
 }
 
-/* late: from t on, from the top, with slabs from the first node on. */
-static __attribute__((noinline)) bool walk_one(const cw_field *f, const cw_ray *ray, bool late, float t,
-                                               strict_ray *one, one_find *found) {
+/* From start on, or from the top if that is NULL. late: from t on, with slabs from the first node on. */
+static __attribute__((noinline)) bool walk_one(const cw_field *f, const cw_ray *ray, const one_start *start, bool late,
+                                               float t, strict_ray *one, one_find *found) {
     const struct cw_pyramid *p = f->pyramid;
     if (!init_one_ray(one, f, ray)) return false;
     if (late) one->from = max_second(t, one->from);
-    one_lanes a = {.up_x = one->x.step > 0, .up_y = one->y.step > 0};
-    const strict_axis *const axis[2] = {&one->x, &one->y};
-    for (int c = 0; c < 2; c++) {
-        a.center[c] = vf_set((float)axis[c]->step * axis[c]->center);
-        a.inverse[c] = vf_set(fabsf(axis[c]->inverse));
-    }
+    const quadrant q = {one->x.step > 0, one->y.step > 0};
     vray r;
-    r.x.org = vf_set(one->x.org), r.x.dir = vf_set(one->x.dir), r.x.up = vm_set(a.up_x);
-    r.y.org = vf_set(one->y.org), r.y.dir = vf_set(one->y.dir), r.y.up = vm_set(a.up_y);
+    r.x.org = vf_set(one->x.org), r.x.dir = vf_set(one->x.dir), r.x.up = vm_set(q.up_x);
+    r.y.org = vf_set(one->y.org), r.y.dir = vf_set(one->y.dir), r.y.up = vm_set(q.up_y);
+    r.x.center = vf_set(one->x.center), r.x.inverse = vf_set(one->x.inverse);
+    r.y.center = vf_set(one->y.center), r.y.inverse = vf_set(one->y.inverse);
     r.oz = vf_set(one->oz), r.dz = vf_set(one->dz);
     r.t0 = vf_set(one->t0), r.t1 = vf_set(one->t1), r.from = vf_set(one->from), r.until = vf_set(one->until);
-    const int flip_x = flip(a.up_x), flip_y = flip(a.up_y);
-    unsigned mask = 0, done = 0, todo[PYRAMID_LEVELS_MAX];
-    int level = p->levels - 1, left = late ? 0 : OPENS; /* -1: cells */
+    unsigned mask = 0, keep = ~0u, todo[PYRAMID_LEVELS_MAX];
+    int level = p->levels - 1, opened = late ? OPENS : 0; /* level -1: cells */
     int32_t x = 0, y = 0;
-    if (!late) {
-        const int32_t i = cell_at(&one->x, one->from, f->nx), j = cell_at(&one->y, one->from, f->ny);
-        const float height = one->from * one->dz - (f->z[(size_t)j * f->stride + (size_t)i] - one->oz);
-        if (fabsf(height) <= LOW_HEIGHT) level = -1, x = i >> 2, y = j >> 2;
-    }
+    if (start) level = -1, x = start->i >> 2, y = start->j >> 2;
     int top = level;
     for (;;) {
         if (level < 0) {
-            if (test_block(&a, &r, f, x, y, found)) return true;
+            if (test_block(&r, q, f, x, y, found)) return true;
             mask = 0;
         } else {
-            const bool judged = left == 0 && level + 1 < p->levels;
-            mask =
-                judged && slab_misses(one, f, level + 1, x, y) ? 0 : open_node(&a, &r, &p->level[level], x, y) & ~done;
-            done = 0;
+            const bool judged = __builtin_expect(opened >= OPENS, 0) && level + 1 < p->levels;
+            mask = judged && slab_misses(one, f, level + 1, x, y) ? 0 : open_node(&r, q, &p->level[level], x, y) & keep;
+            keep = ~0u;
         }
         while (mask == 0) {
             if (++level == p->levels) return false;
-            const int own = ((y & 3) ^ flip_y) << 2 | ((x & 3) ^ flip_x);
+            const int own = ((y & 3) << 2 | (x & 3)) ^ turn(q);
             x >>= 2;
             y >>= 2;
             if (level > top) {
                 top = level;
-                done = 1u << own;
+                keep = ~(1u << own); /* rejected: what to take off, for which GCC uses mask registers */
                 break;
             }
             mask = todo[level];
         }
         if (mask == 0) continue;
-        left -= left > 0;
-        const int32_t place = __builtin_ctz(mask);
-        todo[level--] = mask & (mask - 1);
-        x = 4 * x + ((place & 3) ^ flip_x);
-        y = 4 * y + ((place >> 2) ^ flip_y);
+        opened++;
+        const int32_t place = nearest(mask, q), child = place ^ turn(q);
+        todo[level--] = mask ^ 1u << place;
+        x = 4 * x + (child & 3);
+        y = 4 * y + (child >> 2);
     }
 }
 
-/* True if the ray begins within the field and seems to fall to the ground within SOON_CELLS cells. */
-static inline bool falls_soon(const cw_field *f, const cw_ray *ray) {
-    const float *o = ray->org, *d = ray->dir;
-    if (!(d[2] < 0)) return false;
-    const float x = o[0] + ray->tmin * d[0], y = o[1] + ray->tmin * d[1];
-    if (!(x >= 0 && x < (float)(f->nx - 1) && y >= 0 && y < (float)(f->ny - 1))) return false;
-    const size_t i = (size_t)x, j = (size_t)y,
-                 next = d[1] > 0 ? j + 2 : j - 1; /* below 0 it wraps, beyond every field */
-    const float *z = f->z + j * f->stride + i, height = o[2] + ray->tmin * d[2] - *z;
-    if (!(height >= 0 && height * (fabsf(d[0]) + fabsf(d[1])) <= SOON_CELLS * -d[2])) return false;
+/* True if the ray seems to fall to the ground within SOON_CELLS cells. */
+static inline bool falls_soon(const cw_field *f, const cw_ray *ray, const one_start *at) {
+    const float *d = ray->dir;
+    if (!(d[2] < 0 && at->height >= 0 && at->height * (fabsf(d[0]) + fabsf(d[1])) <= SOON_CELLS * -d[2])) return false;
     /* The rows that it may need: or their loads would wait for the first one's. */
+    const size_t j = (size_t)at->j, next = d[1] > 0 ? j + 2 : j - 1; /* below 0 it wraps, beyond every field */
+    const float *z = f->z + j * f->stride + at->i;
     __builtin_prefetch(z + f->stride);
-    if (next < f->ny) __builtin_prefetch(f->z + next * f->stride + i);
+    if (next < f->ny) __builtin_prefetch(f->z + next * f->stride + at->i);
     return true;
 }
 
@@ -235,12 +205,15 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
         strict_ray one;
         cw_hit *const hit = hits ? &hits[k] : NULL;
         uint8_t *const blocked = hits ? NULL : &occluded[k];
-        if (falls_soon(f, &rays[k]) && cw_cell_few(f, &rays[k], SOON_CELLS, hit, blocked)) continue;
+        one_start start;
+        const bool inside = starts_inside(f, &rays[k], &start);
+        if (inside && falls_soon(f, &rays[k], &start) && cw_cell_few(f, &rays[k], SOON_CELLS, hit, blocked)) continue;
         if (W == 1) { /* faster in plain C */
             cw_pyramid1.trace[CW_LEAF_WATERTIGHT](f, &rays[k], 1, hit, blocked);
             continue;
         }
-        const bool found = walk_one(f, &rays[k], false, 0, &one, &at);
+        const bool low = inside && fabsf(start.height) <= LOW_HEIGHT;
+        const bool found = walk_one(f, &rays[k], low ? &start : NULL, false, 0, &one, &at);
         if (hits == NULL) {
             occluded[k] = found;
         } else if (found) {
@@ -264,7 +237,7 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
 bool CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, float find[FOUND_NUMBERS]) {
     one_find at;
     strict_ray one;
-    if (!walk_one(f, ray, true, t, &one, &at)) return false;
+    if (!walk_one(f, ray, NULL, true, t, &one, &at)) return false;
     const float *row = f->z + (size_t)at.j * f->stride + (size_t)at.i, *corner = at.b ? row + f->stride : row + 1;
     const float numbers[FOUND_NUMBERS] = {at.t0,  at.t1,   (float)at.i,        (float)at.j,
                                           row[0], *corner, row[f->stride + 1], at.b ? 1 : 0};

@@ -3,8 +3,9 @@
  * height, and a fourth that nobody uses. So one operation does for three, where a ray in all lanes (vector_rays.h)
  * takes one for each.
  *
- * Invariant: the numbers are those of strict_ray_init, bit by bit. Rays that have something special, as vstart.plain
- * says, are left to it. Rejected: to leave all to it, or to vector_rays.h (papers/walks.md). */
+ * Invariant: the numbers are those of strict_ray_init, bit by bit, but for the walk's range, which is the ray's: nodes end it
+ * as soon as a slab would (papers/walks.md). Rays that have something special, as vstart.plain says, are left to it.
+ * Rejected: to leave all to it, or to vector_rays.h. */
 #ifndef CELLWALK_SIMD_ONE_RAY_H
 #define CELLWALK_SIMD_ONE_RAY_H
 
@@ -19,7 +20,7 @@ static __attribute__((noinline)) bool init_special(strict_ray *r, const cw_field
     return strict_ray_init(r, f, ray, CW_LEAF_WATERTIGHT);
 }
 
-/* strict_ray_init, but for borders and members of start that refine_hit does not read. False if the ray cannot hit. */
+/* Sets all but borders, and members of start that refine_hit does not read. False if the ray cannot hit. */
 CW_INLINE bool init_one_ray(strict_ray *r, const cw_field *f, const cw_ray *ray) {
     typedef int32_t bits __attribute__((vector_size(16)));
     const float *const numbers = (const float *)ray;
@@ -38,18 +39,14 @@ CW_INLINE bool init_one_ray(strict_ray *r, const cw_field *f, const cw_ray *ray)
     if (!(ray->tmin <= ray->tmax && t0 <= t1)) return false;
     if (!(max_second(z0, z1) >= f->low - o[2] && min_second(z0, z1) <= f->high - o[2])) return false;
 
-    /* strict_slab */
-    const float u8 = 8 * (FLT_EPSILON / 2), least = FLT_MIN * (1 + fabsf(inverse[2]));
-    const float s0 = a[2] - u8 * (fabsf(a[2]) + least), s1 = b[2] + u8 * (fabsf(b[2]) + least);
-    const float h0 = s0 * dz, h1 = s1 * dz;
     r->x.org = r->x.center = o[0], r->x.dir = d[0], r->x.inverse = inverse[0], r->x.step = d[0] > 0 ? 1 : -1;
     r->y.org = r->y.center = o[1], r->y.dir = d[1], r->y.inverse = inverse[1], r->y.step = d[1] > 0 ? 1 : -1;
     r->oz = o[2];
     r->dz = dz;
     r->t0 = t0;
     r->t1 = t1;
-    r->from = (dz > 0 ? h0 < enter[2] : h0 > enter[2]) && s0 > t0 ? s0 : t0;
-    r->until = (dz > 0 ? h1 > leave[2] : h1 < leave[2]) && s1 < t1 ? s1 : t1;
+    r->from = t0;
+    r->until = t1;
     for (int c = 0; c < 3; c++) {
         r->start.dir[c] = d[c];
         r->start.base[c] = (double)o[c];
@@ -60,11 +57,26 @@ CW_INLINE bool init_one_ray(strict_ray *r, const cw_field *f, const cw_ray *ray)
     return true;
 }
 
-/* Number of the cell at t along an axis, or of an earlier one, within the field. See first_corner in lane_rays.h. */
-CW_INLINE int32_t cell_at(const strict_axis *a, float t, size_t samples) {
-    const float back = 0x1p-21f * (fabsf(a->org) + (float)samples), last = (float)(samples - 1) - 0.5f;
-    const float place = (a->org - (float)a->step * back) + t * a->dir;
-    return (int32_t)max_second(min_second(place, last), 0);
+/* Where a ray begins: its cell or, of cells that it crosses, an earlier one, and its height above a sample of that cell. */
+typedef struct one_start {
+    int32_t i, j;
+    float height;
+} one_start;
+
+/* False if that is not within the field. Cells are found as by first_corner in lane_rays.h. */
+CW_INLINE bool starts_inside(const cw_field *f, const cw_ray *ray, one_start *at) {
+    typedef int32_t bits __attribute__((vector_size(16)));
+    const float *const numbers = (const float *)ray;
+    const quarter o = load_quarter(numbers), d = load_quarter(numbers + 4), high = load_quarter(f->highest);
+    const bits sign = (bits)(quarter){-0.0f, -0.0f, -0.0f, -0.0f}, up = d > 0;
+    const quarter back = 0x1p-21f * ((quarter)((bits)o & ~sign) + (high + 1)), way = ray->tmin * d;
+    const quarter place = (o - (quarter)((bits)back ^ (sign & ~up))) + way;
+    const bits inside = (place >= 0) & (place < high);
+    if ((inside[0] & inside[1]) == 0) return false;
+    at->i = (int32_t)place[0];
+    at->j = (int32_t)place[1];
+    at->height = o[2] + way[2] - f->z[(size_t)at->j * f->stride + (size_t)at->i];
+    return true;
 }
 
 #endif

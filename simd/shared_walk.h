@@ -22,18 +22,18 @@ typedef struct block_cells {
 
 /* Returns a packet's rays that have their first hits in these cells. Rejected: all packets in one cell after another,
  * since a ray then leaves the registers from cell to cell. */
-CW_INLINE vmask shared_cells(bool up_x, bool up_y, packet *l, vmask among, const block_cells *b, bool any) {
+CW_INLINE vmask shared_cells(quadrant q, packet *l, vmask among, const block_cells *b, bool any) {
     const block_samples *s = b->s;
     const vray *r = &l->r;
     vmask found = vm_set(false);
-    for (unsigned cells = b->cells; cells != 0; cells &= cells - 1) {
-        const int32_t place = __builtin_ctz(cells);
-        const int32_t lane = place ^ flip(up_x), x = lane & 3, y = (place >> 2) ^ flip(up_y);
+    for (unsigned cells = b->cells; cells != 0;) {
+        const int32_t place = nearest(cells, q), lane = place ^ turn(q), x = lane & 3, y = lane >> 2;
+        cells ^= 1u << place;
         const float *z = s->z + (size_t)y * s->stride + x;
         vcell c;
         c.i = vf_set((float)(b->i + x));
         c.j = vf_set((float)(b->j + y));
-        place_crossings(r, up_x, up_y, (float)(b->i + x), (float)(b->j + y), 1, &c);
+        place_crossings(r, q, (float)(b->i + x), (float)(b->j + y), 1, &c);
         c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
         c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
         const vmask gate = vm_and(among, cell_gate_of(r, &c, vf_set(s->low[lane]), vf_set(s->high[lane])));
@@ -77,7 +77,7 @@ static inline void fall_apart(tile_walk *w, ray_set rays, int level, int32_t x, 
         const size_t p = next_packet(&rays);
         const vray *r = &w->packets[p].r;
         vcell c;
-        place_crossings(r, a->up_x, a->up_y, (float)x * l->side, (float)y * l->side, l->side, &c);
+        place_crossings(r, a->q, (float)x * l->side, (float)y * l->side, l->side, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
         const unsigned now = vm_bits(vf_le(t0, t1)) & packet_bits(before, p);
         if (now == 0) continue;
@@ -99,7 +99,7 @@ static __attribute__((noinline)) bool block_hits(tile_walk *w, ray_set rays, int
         const ray_set before = rays;
         const size_t p = next_packet(&rays);
         packet *l = &w->packets[p];
-        const vmask found = shared_cells(a->up_x, a->up_y, l, vm_from_bits(packet_bits(before, p)), &b, any);
+        const vmask found = shared_cells(a->q, l, vm_from_bits(packet_bits(before, p)), &b, any);
         l->found = vm_or(l->found, found);
         w->rays &= ~((ray_set)vm_bits(found) << (p * W));
     }
@@ -126,9 +126,9 @@ static inline void shared_walk(tile_walk *w, bool any) {
             x = todo[level].x;
             y = todo[level].y;
         }
-        const int32_t place = __builtin_ctz(mask);
-        mask &= mask - 1;
-        const int32_t cx = 4 * x + ((place & 3) ^ flip(a->up_x)), cy = 4 * y + ((place >> 2) ^ flip(a->up_y));
+        const int32_t place = nearest(mask, a->q), child = place ^ turn(a->q);
+        mask ^= 1u << place;
+        const int32_t cx = 4 * x + (child & 3), cy = 4 * y + (child >> 2);
         if (level == 0) {
             const ray_set concerned = block_rays(a, w->packets, w->rays, &p->level[0], cx, cy);
             if (concerned != 0 && !block_hits(w, concerned, cx, cy, any)) fall_apart(w, concerned, 0, cx, cy);

@@ -31,7 +31,12 @@ static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
 static inline mask_reg rm_set(bool a) { return (mask_reg){(lane_mask)(a ? 0xffff : 0)}; }
 static inline mask_reg rm_from_bits(unsigned bits) { return (mask_reg){(lane_mask)bits}; }
 static inline bool rm_any(mask_reg a) { return a.v != 0; }
-static inline unsigned rm_bits(mask_reg a) { return a.v; }
+/* In another register, or compilers make the AND of two such from comparisons of which the second waits for the first. */
+static inline unsigned rm_bits(mask_reg a) {
+    unsigned bits = a.v;
+    __asm__("" : "+r"(bits));
+    return bits;
+}
 
 static inline float_reg rf_gather(const float *base, int_reg index, mask_reg m) {
     return (float_reg){_mm512_mask_i32gather_ps(_mm512_setzero_ps(), m.v, (I32)index.v, base, sizeof(float))};

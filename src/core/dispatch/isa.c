@@ -74,7 +74,8 @@ cw_isa cw_isa_best(void) {
         m = (int)cw_isa_common(machine, allowed());
         atomic_store_explicit(&most, m, memory_order_relaxed);
     }
-    return cw_isa_common((cw_isa)m, (cw_isa)atomic_load_explicit(&limit, memory_order_relaxed));
+    const cw_isa within = (cw_isa)atomic_load_explicit(&limit, memory_order_relaxed);
+    return within == CW_ISA_ANY ? (cw_isa)m : cw_isa_common((cw_isa)m, within);
 }
 
 void cw_isa_limit(cw_isa isa) { atomic_store(&limit, (int)isa); }
