@@ -26,6 +26,11 @@ CW_INLINE vmask shared_cells(quadrant q, packet *l, vmask among, const block_cel
     const block_samples *s = b->s;
     const vray *r = &l->r;
     vmask found = vm_set(false);
+    vfloat bx[5], by[5];
+    for (int k = 0; k < 5; k++) {
+        bx[k] = crossing(&r->x, vf_set((float)(b->i + k)));
+        by[k] = crossing(&r->y, vf_set((float)(b->j + k)));
+    }
     for (unsigned cells = b->cells; cells != 0;) {
         const int32_t place = nearest(cells, q), lane = place ^ turn(q), x = lane & 3, y = lane >> 2;
         cells ^= 1u << place;
@@ -33,7 +38,8 @@ CW_INLINE vmask shared_cells(quadrant q, packet *l, vmask among, const block_cel
         vcell c;
         c.i = vf_set((float)(b->i + x));
         c.j = vf_set((float)(b->j + y));
-        place_crossings(r, q, (float)(b->i + x), (float)(b->j + y), 1, &c);
+        c.x_in = bx[x + !q.up_x], c.x_out = bx[x + q.up_x];
+        c.y_in = by[y + !q.up_y], c.y_out = by[y + q.up_y];
         c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
         c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
         const vmask gate = vm_and(among, cell_gate_of(r, &c, vf_set(s->low[lane]), vf_set(s->high[lane])));
