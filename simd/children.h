@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The 16 children of a node, or the 16 cells of a block: lane 4 y + x is the one in row y and column x.
  *
- * A ray goes through them along a monotone staircase. So with the columns numbered from where the ray enters if it goes up in y, and
- * else from where it leaves, the nearest of some children is the lowest or the highest bit of their mask. Descending takes
- * that bit. Coming back up needs the rest of the mask, which is all the state of a level. Rejected: lanes in walk order, whose
- * loads have to be put together (papers/walks.md). */
+ * A ray goes through them along a monotone staircase. In walk order columns are numbered from where it enters if it goes up
+ * in y, and else from where it leaves. So the nearest of some children is the lowest or the highest bit of their mask.
+ * Descending takes that bit. Coming back up needs the rest of the mask, which is all the state of a level. Rejected: lanes in
+ * walk order, whose loads must be put together (papers/walks.md). */
 #ifndef CELLWALK_SIMD_CHILDREN_H
 #define CELLWALK_SIMD_CHILDREN_H
 
@@ -30,11 +30,14 @@ typedef struct quadrant {
 
 /* Bit k of a mask in walk order is child k XOR this. */
 static inline int turn(quadrant q) { return q.up_x == q.up_y ? 0 : 3; }
+
 static inline unsigned in_walk_order(unsigned lanes, quadrant q) {
     if (q.up_x == q.up_y) return lanes;
     lanes = (lanes & 0x5555) << 1 | (lanes >> 1 & 0x5555);
     return (lanes & 0x3333) << 2 | (lanes >> 2 & 0x3333);
 }
+
+/* Bit of a mask in walk order. */
 static inline int nearest(unsigned mask, quadrant q) { return q.up_y ? __builtin_ctz(mask) : 31 - __builtin_clz(mask); }
 
 /* The block's 5 × 5 samples: in place, or a copy with holes outside the field if part of the block lies outside. */

@@ -41,11 +41,11 @@ static inline vfloat climb_place(const vaxis *a, vfloat t, size_t samples) {
     return vf_max(vf_min(vf_add(a->org, vf_mul(t, a->dir)), last), vf_set(0));
 }
 
-static inline void climb_start(climber *c, const vray *r, const cw_field *f, vmask alive) {
+static inline void climb_start(climber *c, vray *r, const cw_field *f, vmask alive) {
+    c->rise = make_slab(r, f, CW_LEAF_WATERTIGHT);
     c->chain = vm_and(alive, vf_gt(r->dz, vf_set(0)));
     c->x = climb_place(&r->x, r->from, f->nx);
     c->y = climb_place(&r->y, r->from, f->ny);
-    c->rise = vf_div(vf_set(1), r->dz);
     c->above = vf_set(f->pyramid->high);
 }
 

@@ -41,9 +41,9 @@ static inline size_t next_packet(ray_set *rays) {
     return p;
 }
 static inline int packets_of(ray_set rays) {
-    int n = 0;
-    for (; rays != 0; n++) (void)next_packet(&rays);
-    return n;
+    const ray_set top = ~(ray_set)0 / (((ray_set)1 << W) - 1)
+                        << (W - 1); /* a bit a packet, to which sums of others carry */
+    return __builtin_popcountll((((rays & ~top) + ~top) | rays) & top);
 }
 
 /* Intervals over some rays, each number in all lanes: of centers the end for entry borders and that for exit borders. */
@@ -148,7 +148,7 @@ static inline vfloat fat_out(const fat_axis *a, vfloat border) {
     return vf_max(vf_mul(far, a->inverse_low), vf_mul(far, a->inverse_high));
 }
 
-/* Of the 16 places of the given side at packet k, with low corner (x, y), those in which some ray may meet heights in [low, high]. */
+/* Of lanes k W and on of 16 places of that side, from corner (x, y) on, those in which some ray may meet heights in [low, high]. */
 static inline vmask fat_meets(const fat_ray *a, vfloat x, vfloat y, vfloat side, size_t k, vfloat low, vfloat high) {
     const bool up_x = a->q.up_x, up_y = a->q.up_y;
     const vfloat enter_x = vf_add(x, vf_mul(vf_load(lane_x[!up_x] + k * COLUMNS_STEP), side));
@@ -166,8 +166,8 @@ static inline vmask fat_meets(const fat_ray *a, vfloat x, vfloat y, vfloat side,
 /* The children of node (x, y) that some ray may meet, in walk order. */
 static inline unsigned fat_open(const fat_ray *a, const cw_pyramid_level *l, int32_t x, int32_t y) {
     const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
-    const vfloat side = vf_set(l->side), low_x = vf_set((float)(4 * x) * l->side),
-                 low_y = vf_set((float)(4 * y) * l->side);
+    const float s = l->side;
+    const vfloat side = vf_set(s), low_x = vf_set((float)(4 * x) * s), low_y = vf_set((float)(4 * y) * s);
     unsigned mask = 0;
     for (size_t k = 0; k < CHILD_VECTORS; k++)
         mask |= vm_bits(fat_meets(a, low_x, low_y, side, k, vf_load(brick + k * W), vf_load(brick + CHILDREN + k * W)))

@@ -5,7 +5,7 @@
  *
  * The walk opens a node: it finds the children that the ray meets. It goes down into the nearest, and up when none is left. If
  * the ray begins near the ground, the walk begins at its block: mostly no node above need be opened, and those that must be do
- * not depend on each other. Else it begins at the top.
+ * not depend on each other. Else it begins at the top, as do rays that enter the field from outside.
  *
  * A ray that opens many nodes runs beside a surface as a rule, nearer than bounds can tell. Then nodes are also judged by
  * slabs, in double, which are wider than their samples only by what the leaf test's own rounding needs this far from the ray's
@@ -14,7 +14,8 @@
  * Invariant: at each level what the ray meets is opened from front to back, and all before the first node opened is behind the
  * ray, so the first cell found is the first one hit. A slab passes over a node only if the leaf test's sign is strict on all of
  * it; papers/numerics.md derives how wide it has to be for that. Rejected: slabs for each ray, which take longer than the nodes
- * that they save; all lanes on the columns of a ray that is beside a surface (papers/walks.md). */
+ * that they save; all lanes on the columns of a ray that is beside a surface; lanes in walk order, crossings of children carried
+ * down, or computed a level ahead (papers/walks.md). */
 
 #include "../src/scalar/refine.h"
 #include "children.h"

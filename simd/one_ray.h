@@ -3,8 +3,8 @@
  * height, and a fourth that nobody uses. So one operation does for three, where a ray in all lanes (vector_rays.h)
  * takes one for each.
  *
- * Invariant: the numbers are those of strict_ray_init, bit by bit, but for the walk's range, which is the ray's: nodes end it
- * as soon as a slab would (papers/walks.md). Rays that have something special, as vstart.plain says, are left to it.
+ * Invariant: the numbers are those of strict_ray_init, bit by bit, but for the walk's range, which strict_slab
+ * has not cut: nodes end a walk as early. Rays that have something special, as vstart.plain says, are left to it.
  * Rejected: to leave all to it, or to vector_rays.h. */
 #ifndef CELLWALK_SIMD_ONE_RAY_H
 #define CELLWALK_SIMD_ONE_RAY_H

@@ -34,7 +34,7 @@ CW_INLINE bool some_are_long(packet *l, const cw_field *f, vmask *guessed) {
 CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
                            bool if_short, vstart *start) {
     vmask guessed = vm_set(false);
-    l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, leaf, start));
+    l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, leaf, true, start));
     const vfloat zero = vf_set(0);
     l->found = vm_set(false);
     /* As it stays in registers, clearing costs nothing, and a branch at the first hit would. */

@@ -88,8 +88,7 @@ static __attribute__((noinline)) ray_set pyramid_tile(const cw_field *f, const c
     for (size_t p = 0; p < count; p++) {
         packet *l = &packets[p];
         const cw_ray *mine = fill_up(rays + p * W, n - p * W, W, tail);
-        l->alive = vm_and(vm_first(n - p * W), make_rays(&l->r, f, mine, CW_LEAF_WATERTIGHT, &start[p]));
-        l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
+        l->alive = vm_and(vm_first(n - p * W), make_rays(&l->r, f, mine, CW_LEAF_WATERTIGHT, false, &start[p]));
         l->found = vm_set(false);
         alive |= (ray_set)vm_bits(l->alive) << (p * W);
     }

@@ -26,7 +26,7 @@ CW_INLINE vmask shared_cells(quadrant q, packet *l, vmask among, const block_cel
     const block_samples *s = b->s;
     const vray *r = &l->r;
     vmask found = vm_set(false);
-    vfloat bx[5], by[5];
+    vfloat bx[5], by[5]; /* crossings; rejected: those of each cell anew (papers/walks.md) */
     for (int k = 0; k < 5; k++) {
         bx[k] = crossing(&r->x, vf_set((float)(b->i + k)));
         by[k] = crossing(&r->y, vf_set((float)(b->j + k)));
@@ -81,7 +81,8 @@ static inline void fall_apart(tile_walk *w, ray_set rays, int level, int32_t x, 
     while (rays != 0) {
         const ray_set before = rays;
         const size_t p = next_packet(&rays);
-        const vray *r = &w->packets[p].r;
+        vray *r = &w->packets[p].r;
+        if (!(w->queue->mirrored >> p & 1)) (void)make_slab(r, w->f, CW_LEAF_WATERTIGHT);
         vcell c;
         place_crossings(r, a->q, (float)x * l->side, (float)y * l->side, l->side, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);

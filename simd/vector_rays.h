@@ -189,7 +189,8 @@ static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples, 
     return within;
 }
 
-CW_INLINE void make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
+/* strict_slab. Returns 1 / dz. */
+CW_INLINE vfloat make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
     vfloat low = above_origin(r, vf_set(f->low)), high = above_origin(r, vf_set(f->high));
     if (leaf == CW_LEAF_MOLLER_TRUMBORE) {
         low = room_below(low, r->dz, 2 * STRICT_ROOM);
@@ -207,11 +208,13 @@ CW_INLINE void make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
     const vmask beyond1 = vm_or(vm_and(up, vf_gt(z1, leave)), vm_andnot(vf_lt(z1, leave), up));
     r->from = vf_select(vm_and(beyond0, vf_gt(s0, r->t0)), s0, r->t0);
     r->until = vf_select(vm_and(beyond1, vf_lt(s1, r->t1)), s1, r->t1);
+    return inverse;
 }
 
-/* Returns the lanes that may hit; if there are none, the slab is not computed. *start is set only if r->moved, for
- * refine_hits. */
-CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
+/* Returns the lanes that may hit. Unless cut is set, walks of rays that begin over the field are not cut by make_slab. A walk
+ * together does not need that; the intervals of rays that come from outside would be too wide. *start is set only if
+ * r->moved, for refine_hits. */
+CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, bool cut, vstart *start) {
     vfloat c[8];
     vstart s;
     vf_load_rays(rays, c);
@@ -223,12 +226,11 @@ CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_lea
     r->moved = s.moved;
     r->t0 = vf_max(vf_max(crossing(&r->x, r->x.first), crossing(&r->y, r->y.first)), s.tmin);
     r->t1 = vf_min(vf_min(crossing(&r->x, r->x.last), crossing(&r->y, r->y.last)), s.tmax);
+    r->from = r->t0;
+    r->until = r->t1;
     alive = vm_and(alive, vf_le(r->t0, r->t1));
     alive = vm_and(alive, meets(r, r->t0, r->t1, vf_set(f->low), vf_set(f->high)));
-    if (vm_any(alive))
-        make_slab(r, f, leaf);
-    else
-        r->from = r->until = r->t0;
+    if (vm_any(cut ? alive : vm_and(alive, vf_gt(r->t0, s.tmin)))) (void)make_slab(r, f, leaf);
     return alive;
 }
 
