@@ -41,6 +41,7 @@ static inline vfloat climb_place(const vaxis *a, vfloat t, size_t samples) {
     return vf_max(vf_min(vf_add(a->org, vf_mul(t, a->dir)), last), vf_set(0));
 }
 
+/* Also cuts the ray, as the lane walk needs it. */
 static inline void climb_start(climber *c, vray *r, const cw_field *f, vmask alive) {
     c->rise = make_slab(r, f, CW_LEAF_WATERTIGHT);
     c->chain = vm_and(alive, vf_gt(r->dz, vf_set(0)));

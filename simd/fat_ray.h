@@ -40,9 +40,9 @@ static inline size_t next_packet(ray_set *rays) {
     *rays &= ~((((ray_set)1 << W) - 1) << (p * W));
     return p;
 }
+/* Counts a bit for each packet, its highest, to which the sum of the others carries. */
 static inline int packets_of(ray_set rays) {
-    const ray_set top = ~(ray_set)0 / (((ray_set)1 << W) - 1)
-                        << (W - 1); /* a bit a packet, to which sums of others carry */
+    const ray_set top = ~(ray_set)0 / (((ray_set)1 << W) - 1) << (W - 1);
     return __builtin_popcountll((((rays & ~top) + ~top) | rays) & top);
 }
 

@@ -91,7 +91,7 @@ static inline bool test_block(const vray *r, quadrant q, const cw_field *f, int3
         vfind find;
         const unsigned hits = vm_bits(wt_cell_in(r, &c, gate, &find));
         if (hits == 0) continue;
-        const int lane = W == 1 ? 0 : nearest(in_walk_order(hits, q), q) ^ turn(q), place = lane + (int)k * W;
+        const int lane = nearest(in_walk_order(hits, q), q) ^ turn(q), place = lane + (int)k * W;
         found->t0 = vf_lane(&find.t0, (unsigned)lane);
         found->t1 = vf_lane(&find.t1, (unsigned)lane);
         found->b = vm_bits(find.b) >> lane & 1;

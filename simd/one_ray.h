@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One ray made ready for a walk, by the rules of src/scalar/strict.h, operation by operation. Lanes are axes: x, y,
- * height, and a fourth that nobody uses. So one operation does for three, where a ray in all lanes (vector_rays.h)
- * takes one for each.
+ * height, and a fourth that nobody uses. So one operation does for two or three, where a ray in all lanes
+ * (vector_rays.h) takes one for each.
  *
  * Invariant: the numbers are those of strict_ray_init, bit by bit, but for the walk's range, which strict_slab
  * has not cut: nodes end a walk as early. Rays that have something special, as vstart.plain says, are left to it.
@@ -12,8 +12,6 @@
 #include "../src/scalar/strict.h"
 #include "field.h"
 #include "vocabulary.h"
-
-#include <float.h>
 
 /* Not inlined, so that other rays do not pay for its registers. */
 static __attribute__((noinline)) bool init_special(strict_ray *r, const cw_field *f, const cw_ray *ray) {
@@ -30,8 +28,8 @@ CW_INLINE bool init_one_ray(strict_ray *r, const cw_field *f, const cw_ray *ray)
     const bits plain = (off < load_quarter(f->reach)) & (length > 0x1p-128f) & (length <= 0x1p126f);
     if ((plain[0] & plain[1] & plain[2]) == 0) return init_special(r, f, ray);
 
-    const bits low = (bits)load_quarter(f->lowest), high = (bits)load_quarter(f->highest), up = d > 0;
-    const quarter enter = (quarter)((low & up) | (high & ~up)) - o, leave = (quarter)((high & up) | (low & ~up)) - o;
+    const bits high = (bits)load_quarter(f->last), up = d > 0;
+    const quarter enter = (quarter)(high & ~up) - o, leave = (quarter)(high & up) - o;
     const quarter inverse = 1.0f / d, a = enter * inverse, b = leave * inverse;
     const float first = max_second(ray->tmin, -RAY_T_LIMIT), last = min_second(ray->tmax, RAY_T_LIMIT);
     const float t0 = max_second(max_second(a[0], a[1]), first), t1 = min_second(min_second(b[0], b[1]), last);
@@ -67,7 +65,7 @@ typedef struct one_start {
 CW_INLINE bool starts_inside(const cw_field *f, const cw_ray *ray, one_start *at) {
     typedef int32_t bits __attribute__((vector_size(16)));
     const float *const numbers = (const float *)ray;
-    const quarter o = load_quarter(numbers), d = load_quarter(numbers + 4), high = load_quarter(f->highest);
+    const quarter o = load_quarter(numbers), d = load_quarter(numbers + 4), high = load_quarter(f->last);
     const bits sign = (bits)(quarter){-0.0f, -0.0f, -0.0f, -0.0f}, up = d > 0;
     const quarter back = 0x1p-21f * ((quarter)((bits)o & ~sign) + (high + 1)), way = ray->tmin * d;
     const quarter place = (o - (quarter)((bits)back ^ (sign & ~up))) + way;

@@ -13,7 +13,7 @@
 #include "fat_ray.h"
 #include "lane_rays.h"
 
-/* Cells of the block with low corner (i, j), in the order of a walk in this quadrant. */
+/* Cells of the block with low corner (i, j), in walk order. */
 typedef struct block_cells {
     const block_samples *s;
     int32_t i, j;
@@ -82,7 +82,7 @@ static inline void fall_apart(tile_walk *w, ray_set rays, int level, int32_t x, 
         const ray_set before = rays;
         const size_t p = next_packet(&rays);
         vray *r = &w->packets[p].r;
-        if (!(w->queue->mirrored >> p & 1)) (void)make_slab(r, w->f, CW_LEAF_WATERTIGHT);
+        if (!(w->queue->mirrored >> p & 1)) (void)make_slab(r, w->f, CW_LEAF_WATERTIGHT); /* for lanes */
         vcell c;
         place_crossings(r, a->q, (float)x * l->side, (float)y * l->side, l->side, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);

@@ -211,9 +211,9 @@ CW_INLINE vfloat make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
     return inverse;
 }
 
-/* Returns the lanes that may hit. Unless cut is set, walks of rays that begin over the field are not cut by make_slab. A walk
- * together does not need that; the intervals of rays that come from outside would be too wide. *start is set only if
- * r->moved, for refine_hits. */
+/* Returns the lanes that may hit. Unless cut is set, rays are not cut by make_slab if all begin over the field and none behind
+ * its origin: a walk together does not need that. Of others, intervals would be too wide, or begin below 0. *start is set
+ * only if r->moved, for refine_hits. */
 CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, bool cut, vstart *start) {
     vfloat c[8];
     vstart s;
@@ -230,7 +230,8 @@ CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_lea
     r->until = r->t1;
     alive = vm_and(alive, vf_le(r->t0, r->t1));
     alive = vm_and(alive, meets(r, r->t0, r->t1, vf_set(f->low), vf_set(f->high)));
-    if (vm_any(cut ? alive : vm_and(alive, vf_gt(r->t0, s.tmin)))) (void)make_slab(r, f, leaf);
+    const vmask outside = vm_or(vf_gt(r->t0, s.tmin), vf_lt(r->t0, vf_set(0)));
+    if (vm_any(cut ? alive : vm_and(alive, outside))) (void)make_slab(r, f, leaf);
     return alive;
 }
 

@@ -23,8 +23,8 @@ struct cw_field {
     size_t holes;
     /* A ray whose origin is farther than reach from middle along any axis starts far away: src/scalar/ray.h. */
     float middle[4], reach[4];
-    float lowest[4], highest[4]; /* corners of the field's box; of all four the fourth counts for nothing */
-    float *owned;                /* samples owned by the field; NULL if borrowed */
+    float last[4]; /* numbers of the last samples along x and y. Of all three the rest counts for nothing. */
+    float *owned;  /* samples owned by the field; NULL if borrowed */
 
     double to_user[3][4], to_field[3][4]; /* to_field by affine_invert */
 

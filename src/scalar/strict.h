@@ -38,7 +38,7 @@ typedef struct strict_ray {
     strict_axis x, y;
     float oz, dz;
     float t0, t1;      /* over the field, between tmin and tmax: leaf tests clip to it */
-    float from, until; /* also between the field's lowest and highest sample: the range of the walk */
+    float from, until; /* the range of the walk: these, or less (strict_slab) */
     ray_start start;
 } strict_ray;
 

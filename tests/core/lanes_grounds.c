@@ -54,11 +54,6 @@ size_t rays_over_cliff(const ground *g, cw_ray *rays, size_t most, random_state 
     return most;
 }
 
-size_t random_rays_at_once(const ground *g, cw_ray *rays, size_t most, random_state *r) {
-    for (size_t k = 0; k < most; k++) rays[k] = ray_make(RAY_RANDOM, g->shape, r);
-    return most;
-}
-
 size_t rays_in_turn(const ground *g, cw_ray *rays, size_t most, random_state *r) {
     for (size_t k = 0; k < most; k++) rays[k] = ray_make((ray_class)(k % RAY_CLASSES), g->shape, r);
     return most;
@@ -95,6 +90,24 @@ size_t random_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) 
 
 size_t adversarial_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
     return run_of(RAY_VERTEX, RAY_NOT_FINITE, g, rays, most, r);
+}
+
+/* Tiles of all but vertical rays, each past a sample at about its height. Tiles fall apart, and t at the far side of a block is so
+ * large that a lane's rounding counts, if a ray is not cut to the field's heights. */
+size_t steep_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
+    const test_field *f = g->shape;
+    for (size_t k = 0; k < most;) {
+        const size_t i = 16 * random_below(r, f->nx / 16 - 1), j = 16 * random_below(r, f->ny / 16 - 1);
+        const float away = ldexpf(1, (int)random_below(r, 8)), turn = random_below(r, 2) ? 1 : -1;
+        const float lean[2] = {ldexpf(turn, -13 - (int)random_below(r, 6)), ldexpf(1, -13 - (int)random_below(r, 6))};
+        for (size_t n = 0; n < 64 && k < most; n++, k++) {
+            const size_t x = i + random_below(r, 16), y = j + random_below(r, 16);
+            const float up = away * (1 + 0x1p-22f * (float)random_below(r, 8));
+            const float org[3] = {(float)x - away * lean[0], (float)y - away * lean[1], f->z[y * f->nx + x] + up};
+            rays[k] = (cw_ray){{org[0], org[1], org[2]}, 0, {lean[0], lean[1], -1}, INFINITY};
+        }
+    }
+    return most;
 }
 
 /* ---- known ------------------------------------------------------------------------------------------------------- */

@@ -155,11 +155,9 @@ static float steepest(const cw_field *f, const struct cw_pyramid *p) {
  * camera above should count as near. */
 static void set_box(cw_field *f) {
     const float range = f->high - f->low;
-    f->lowest[2] = f->low; /* before it are zeros */
-    f->highest[2] = f->high;
     for (int c = 0; c < 2; c++) {
-        f->highest[c] = f->reach[c] = (float)((c == 0 ? f->nx : f->ny) - 1);
-        f->middle[c] = 0.5f * f->highest[c];
+        f->last[c] = f->reach[c] = (float)((c == 0 ? f->nx : f->ny) - 1);
+        f->middle[c] = 0.5f * f->last[c];
     }
     f->middle[2] = range >= 0 ? 0.5f * (f->low + f->high) : 0;
     f->reach[2] = range > 0 ? 8 * range : INFINITY; /* on a level field, or none, heights cost no accuracy */
