@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The shared walk of coherent rays. A tile of 64 rays goes through the pyramid as one fat ray (fat_ray.h). At a block each ray
  * is tested against the block's bounds. Then each packet takes the block's cells one after another, with the cell broadcast and
- * the rays in lanes. Where the rays diverge, the tile falls apart: those that cross the node are queued for the lane walk, which
+ * the rays in lanes: first all gates, then the leaf tests. Where the rays diverge, the tile falls apart: those that cross the node are queued for the lane walk, which
  * begins at that node (lane_walk.h).
  *
  * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where smaller beams begin), Boulos, Wald and Shirley 2006 and
@@ -13,48 +13,70 @@
 #include "fat_ray.h"
 #include "lane_rays.h"
 
-/* Cells of the block with low corner (i, j), in walk order. */
+/* The cells of the block with low corner (i, j), in walk order. */
 typedef struct block_cells {
     const block_samples *s;
     int32_t i, j;
-    unsigned cells;
+    unsigned cells;                    /* those that some ray may meet */
+    unsigned meet[PACKETS];            /* by packet: cells whose gates some of its rays pass */
+    uint16_t gates[PACKETS][CHILDREN]; /* and these rays, a bit each */
 } block_cells;
 
-/* Returns a packet's rays that have their first hits in these cells. Rejected: all packets in one cell after another,
- * since a ray then leaves the registers from cell to cell. */
-CW_INLINE vmask shared_cells(quadrant q, packet *l, vmask among, const block_cells *b, bool any) {
-    const block_samples *s = b->s;
-    const vray *r = &l->r;
-    vmask found = vm_set(false);
-    vfloat bx[5], by[5]; /* crossings; rejected: those of each cell anew (papers/walks.md) */
+/* With crossings filled in. */
+static inline void clip_cell(vcell *c, const vray *r) {
+    c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->t0);
+    c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->t1);
+}
+
+/* Finds the gates that packet p's rays pass. All gates of a block come before its first leaf test, as they need no branch, and those
+ * that the tests need are then known early. Rejected: each gate before its test (papers/walks.md). */
+CW_INLINE void packet_gates(block_cells *b, quadrant q, const vray *r, size_t p, unsigned among) {
+    vfloat bx[5], by[5]; /* rejected: the crossings of each cell anew (papers/walks.md) */
     for (int k = 0; k < 5; k++) {
         bx[k] = crossing(&r->x, vf_set((float)(b->i + k)));
         by[k] = crossing(&r->y, vf_set((float)(b->j + k)));
     }
-    for (unsigned cells = b->cells; cells != 0;) {
+    unsigned meet = 0;
+    for (unsigned left = b->cells; left != 0; left &= left - 1) {
+        const int32_t place = __builtin_ctz(left), lane = place ^ turn(q), x = lane & 3, y = lane >> 2;
+        vcell c;
+        c.x_in = bx[x + !q.up_x], c.x_out = bx[x + q.up_x];
+        c.y_in = by[y + !q.up_y], c.y_out = by[y + q.up_y];
+        clip_cell(&c, r);
+        const unsigned gate = vm_bits(cell_gate_of(r, &c, vf_set(b->s->low[lane]), vf_set(b->s->high[lane]))) & among;
+        b->gates[p][place] = (uint16_t)gate;
+        meet |= (unsigned)(gate != 0) << place;
+    }
+    b->meet[p] = meet;
+}
+
+/* Returns packet p's rays that have their first hits in the block. Rejected: all packets in one cell after another, since a ray then
+ * leaves the registers from cell to cell. */
+CW_INLINE unsigned packet_finds(const block_cells *b, quadrant q, packet *l, size_t p, bool any) {
+    const vray *r = &l->r;
+    unsigned found = 0;
+    for (unsigned cells = b->meet[p]; cells != 0;) {
         const int32_t place = nearest(cells, q), lane = place ^ turn(q), x = lane & 3, y = lane >> 2;
         cells ^= 1u << place;
-        const float *z = s->z + (size_t)y * s->stride + x;
+        const unsigned left = b->gates[p][place] & ~found;
+        if (left == 0) continue;
+        const vmask gate = vm_from_bits(left);
+        const float *low = b->s->z + (size_t)y * b->s->stride + x, *high = low + b->s->stride;
         vcell c;
         c.i = vf_set((float)(b->i + x));
         c.j = vf_set((float)(b->j + y));
-        c.x_in = bx[x + !q.up_x], c.x_out = bx[x + q.up_x];
-        c.y_in = by[y + !q.up_y], c.y_out = by[y + q.up_y];
-        c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
-        c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
-        const vmask gate = vm_and(among, cell_gate_of(r, &c, vf_set(s->low[lane]), vf_set(s->high[lane])));
-        if (!vm_any(gate)) continue;
-        c.h00 = vf_set(z[0]);
-        c.h10 = vf_set(z[1]);
-        c.h01 = vf_set(z[s->stride]);
-        c.h11 = vf_set(z[s->stride + 1]);
+        place_crossings(r, q, (float)(b->i + x), (float)(b->j + y), 1, &c);
+        clip_cell(&c, r);
+        c.h00 = vf_set(low[0]);
+        c.h10 = vf_set(low[1]);
+        c.h01 = vf_set(high[0]);
+        c.h11 = vf_set(high[1]);
         vfind find = {c.t0, c.t1, gate}; /* any-hit queries do not set it; avoids a warning */
         const vmask now = wt_cell_in(r, &c, gate, &find);
-        if (!vm_any(now)) continue;
-        if (!any) keep_hits(&l->hit, !vm_any(vm_or(l->found, found)), now, &find, &c);
-        found = vm_or(found, now);
-        among = vm_andnot(among, now);
-        if (!vm_any(among)) break;
+        const unsigned hits = vm_bits(now);
+        if (hits == 0) continue;
+        if (!any) keep_hits(&l->hit, found == 0 && !vm_any(l->found), now, &find, &c);
+        found |= hits;
     }
     return found;
 }
@@ -72,7 +94,7 @@ typedef struct tile_walk {
 /* A tile falls apart at a block in which cells to be tested times packets are at least FALL_APART times its rays, and at a node of
  * which more than CHILDREN_AT_MOST children must be visited. Rejected: groups of 16, which go on together from there
  * (papers/walks.md). */
-enum { FALL_APART = 3, CHILDREN_AT_MOST = 8 };
+enum { FALL_APART = 5, CHILDREN_AT_MOST = 8 };
 
 /* Queues those of the rays that cross the given node of the pyramid for the lane walk. */
 static inline void fall_apart(tile_walk *w, ray_set rays, int level, int32_t x, int32_t y) {
@@ -101,14 +123,19 @@ static __attribute__((noinline)) bool block_hits(tile_walk *w, ray_set rays, int
     load_samples(&s, w->f, (size_t)(4 * x), (size_t)(4 * y));
     const unsigned cells = fat_cells(a, &s, x, y);
     if (FALL_APART * __builtin_popcountll(rays) <= __builtin_popcount(cells) * packets_of(rays)) return false;
-    const block_cells b = {&s, 4 * x, 4 * y, cells};
+    block_cells b; /* no initialiser: it would clear all gates */
+    b.s = &s, b.i = 4 * x, b.j = 4 * y, b.cells = cells;
+    for (ray_set left = rays; left != 0;) {
+        const ray_set before = left;
+        const size_t p = next_packet(&left);
+        packet_gates(&b, a->q, &w->packets[p].r, p, packet_bits(before, p));
+    }
     while (rays != 0) {
-        const ray_set before = rays;
         const size_t p = next_packet(&rays);
         packet *l = &w->packets[p];
-        const vmask found = shared_cells(a->q, l, vm_from_bits(packet_bits(before, p)), &b, any);
-        l->found = vm_or(l->found, found);
-        w->rays &= ~((ray_set)vm_bits(found) << (p * W));
+        const unsigned found = packet_finds(&b, a->q, l, p, any);
+        l->found = vm_or(l->found, vm_from_bits(found));
+        w->rays &= ~((ray_set)found << (p * W));
     }
     return true;
 }
