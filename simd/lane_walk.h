@@ -80,25 +80,27 @@ CW_INLINE void one_found(lane_answers *a, const cw_field *f, uint32_t ray, const
     if (a->found == W) CW_CODE(lane_write)(a, f);
 }
 
-/* The same for the lanes of bits, mostly two or three. Not inlined, as it would take registers from the walk. */
-static __attribute__((noinline)) void lanes_found(lane_answers *a, const cw_field *f, const uint32_t ray[LANES],
-                                                  unsigned bits, const vfind *find, const vcell *c) {
-    const unsigned b = vm_bits(find->b);
-    for (; bits != 0; bits &= bits - 1) {
-        const unsigned k = (unsigned)__builtin_ctz(bits);
-        const bool in_b = b >> k & 1;
-        const float one[FOUND_NUMBERS] = {vf_lane(&find->t0, k), vf_lane(&find->t1, k),
-                                          vf_lane(&c->i, k),     vf_lane(&c->j, k),
-                                          vf_lane(&c->h00, k),   vf_lane(in_b ? &c->h01 : &c->h10, k),
-                                          vf_lane(&c->h11, k),   in_b};
-        one_found(a, f, ray[k], one);
+/* Adds the finds that lanes of found have left in t and leave; in_b: those in triangle B. */
+CW_INLINE void lanes_found(lane_answers *a, const cw_field *f, const lane_set *l, unsigned found, unsigned in_b) {
+    for (; found != 0; found &= found - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(found);
+        if (a->occluded) {
+            a->occluded[l->ray[k]] = 1;
+            continue;
+        }
+        const bool b = in_b >> k & 1;
+        const int32_t i = l->x[k] ^ l->rays.i[RAY_TURNED_X][k], j = l->y[k] ^ l->rays.i[RAY_TURNED_Y][k];
+        const float *row = f->z + (size_t)j * f->stride + (size_t)i, *corner = b ? row + f->stride : row + 1;
+        const float find[FOUND_NUMBERS] = {l->t[k], l->leave[k], (float)i,           (float)j,
+                                           row[0],  *corner,     row[f->stride + 1], b};
+        one_found(a, f, l->ray[k], find);
     }
 }
 
 /* ---- the walk ---- */
 
 /* REFILL_AT: empty lanes at which they are refilled. LEAF_AT: lanes waiting at a cell at which cells are tested. */
-enum { REFILL_AT = LANES < 4 ? 1 : LANES < 16 ? LANES / 4 : 4, LEAF_AT = (3 * LANES + 7) / 8 };
+enum { REFILL_AT = LANES < 4 ? 1 : LANES < 16 ? LANES / 4 : 3, LEAF_AT = (3 * LANES + 7) / 8 };
 
 /* If the queue is empty, two registers stop when one can hold the rest. */
 enum { LANES_LEFT = REGISTERS == 2 ? W : 0 };
@@ -111,6 +113,8 @@ typedef struct lane_state {
     vint x, y;    /* low corner of the node, mirrored */
     vint level;   /* 0 for cells; side 4^level */
     vmask alive;
+    int waited;           /* lanes that waited at cells a step ago; 0 after a leaf test */
+    unsigned found, in_b; /* lanes that have ended with a find, its t in t and leave; those of them in triangle B */
 } lane_state;
 
 /* Copies a ray that has been made ready into a lane, in loops of at most 16 turns, which compilers unroll. */
@@ -133,8 +137,15 @@ CW_INLINE void refill_lane(lane_set *l, size_t lane, const lane_queue *queue, co
 }
 
 CW_INLINE lane_state load_lanes(const lane_set *l) {
-    return (lane_state){vf_load(l->t), vf_load(l->leave), vi_load(l->x),
-                        vi_load(l->y), vi_load(l->level), vm_from_bits(l->living)};
+    return (lane_state){vf_load(l->t),
+                        vf_load(l->leave),
+                        vi_load(l->x),
+                        vi_load(l->y),
+                        vi_load(l->level),
+                        vm_from_bits(l->living),
+                        0,
+                        0,
+                        0};
 }
 
 CW_INLINE void store_lanes(lane_set *l, const lane_state *s) {
@@ -169,9 +180,9 @@ CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][SLOTS], vint turned) {
     a->up = vi_eq(turned, vi_set(0));
 }
 
-/* Tests the cells at which lanes wait; returns the lanes that hit. */
-CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[LANES], const cw_field *f, const lane_state *s,
-                          const lane_axis axis[2], vmask waits, lane_answers *answers) {
+/* Tests the cells at which lanes wait; returns the lanes that hit. Their finds stay in the lanes until these are refilled. Rejected:
+ * to take them out at once, by a branch that is hard to foretell. */
+CW_INLINE vmask lane_leaf(lane_state *s, lane_rays *rays, const cw_field *f, const lane_axis axis[2], vmask waits) {
     const vint turned_x = vi_load(rays->i[RAY_TURNED_X]), turned_y = vi_load(rays->i[RAY_TURNED_Y]);
     const vint i = vi_xor(s->x, turned_x), j = vi_xor(s->y, turned_y);
     float(*fx)[SLOTS] = rays->f, (*fy)[SLOTS] = rays->f + RAY_AXIS;
@@ -198,7 +209,11 @@ CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[LANES], const cw_f
     if (!vm_any(gate)) return gate;
     vfind find;
     const vmask found = wt_cell(&r, &c, gate, &find);
-    if (vm_any(found)) lanes_found(answers, f, ray, vm_bits(found), &find, &c);
+    const unsigned bits = vm_bits(found);
+    s->t = vf_select(found, find.t0, s->t);
+    s->leave = vf_select(found, find.t1, s->leave);
+    s->found |= bits;
+    s->in_b |= vm_bits(find.b) & bits;
     return found;
 }
 
@@ -292,16 +307,18 @@ CW_INLINE void lane_advance(lane_state *s, lane_rays *rays, const lane_axis axis
 }
 
 /* One step of every living lane, except those that wait at a cell. Level 0 here is cells; level l + 1 is the pyramid's
- * level l. */
-CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, lane_answers *answers) {
-    lane_rays *rays = &l->rays;
+ * level l. Whether cells are tested depends on the step before, so the CPU knows it early. Rejected: on this step, since the
+ * branch is hard to foretell (papers/walks.md). */
+CW_INLINE void lane_step(lane_state *s, lane_rays *rays, const cw_field *f) {
     const vfloat side = vf_power_of_2(vi_add(s->level, s->level));
     const lane_axis axis[2] = {look_along(rays->f, s->x, side), look_along(rays->f + RAY_AXIS, s->y, side)};
     const vfloat out = vf_min(axis[0].out, axis[1].out);
     const vmask at_cell = vi_eq(s->level, vi_set(0)), waits = vm_and(s->alive, at_cell);
     vmask moves = vm_andnot(s->alive, at_cell);
-    if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
-        const vmask found = lane_leaf(rays, l->ray, f, s, axis, waits, answers);
+    const bool test = s->waited >= LEAF_AT;
+    s->waited = test ? 0 : __builtin_popcount(vm_bits(waits));
+    if (test || !vm_any(moves)) {
+        const vmask found = lane_leaf(s, rays, f, axis, waits);
         s->alive = vm_andnot(s->alive, found);
         moves = vm_andnot(waits, found);
     } else {
@@ -354,11 +371,12 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
         unsigned living;
         int steps = most;
         do {
-            lane_step(&s, l, f, answers);
+            lane_step(&s, &l->rays, f);
             living = vm_bits(s.alive);
         } while (__builtin_popcount(living) > stop_at && --steps > 0);
         l->clock += most - steps;
         store_lanes(l, &s);
+        lanes_found(answers, f, l, s.found, s.in_b);
         end_late(f, l, few, answers);
     }
     if (!more && LANES_LEFT == 0 && answers->found > 0) CW_CODE(lane_write)(answers, f);
