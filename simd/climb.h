@@ -59,7 +59,7 @@ typedef struct climb_pair {
 static inline climb_pair climb_pair_of(const vaxis *a, vfloat place, vfloat side, vfloat scale) {
     const vfloat first = vf_floor(vf_mul(place, scale)), next = vf_add(first, vf_set(1));
     const vfloat enter = vf_select(a->up, first, next);
-    const vfloat leave = vf_add(enter, vf_add(a->step, a->step));
+    const vfloat leave = vf_add(enter, vf_select(a->up, vf_set(2), vf_set(-2)));
     return (climb_pair){crossing(a, vf_mul(side, enter)), crossing(a, vf_mul(side, leave)),
                         vf_select(a->up, next, first)};
 }

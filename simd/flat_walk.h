@@ -40,12 +40,12 @@ static inline vfloat first_cell(const vaxis *a, vfloat t, size_t samples, vmask 
     for (;;) {
         const vmask early = vm_andnot(vf_lt(crossing(a, vf_add(place, out)), t), vf_eq(place, end));
         if (!vm_any(vm_and(early, moves))) break;
-        place = vf_select(vm_and(early, moves), vf_add(place, a->step), place);
+        place = vf_select(vm_and(early, moves), vf_add(place, vf_sub(out, in)), place);
     }
     for (;;) {
         const vmask late = vm_andnot(vf_ge(crossing(a, vf_add(place, in)), t), vf_eq(place, begin));
         if (!vm_any(vm_and(late, moves))) break;
-        place = vf_select(vm_and(late, moves), vf_sub(place, a->step), place);
+        place = vf_select(vm_and(late, moves), vf_sub(place, vf_sub(out, in)), place);
     }
     return place;
 }
@@ -89,30 +89,39 @@ static inline void keep_hits(found_hits *h, bool first, vmask now, const vfind *
     h->h11 = vf_select(now, c->h11, h->h11);
 }
 
-/* Tests the cell of each living lane and steps to the next one. cleared: l->hit is defined before the first hit. */
-CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any, bool cleared) {
+/* Sets t0, t1 and samples of the cells; returns the living lanes whose cells pass the gate. */
+CW_INLINE vmask flat_gate(packet *l, const cw_field *f) {
     const vray *r = &l->r;
     vcell *c = &l->c;
     c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->t0);
     c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->t1);
     vf_gather_pairs(f->z, l->sample, l->alive, &c->h00, &c->h10);
     vf_gather_pairs(f->z + f->stride, l->sample, l->alive, &c->h01, &c->h11);
-    const vmask candidates = vm_and(l->alive, cell_gate(r, c));
-    if (vm_any(candidates)) {
-        vfind find;
-        const vmask now =
-            leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, candidates, &find) : mt_cell(r, c, candidates, &find);
-        if (!any && vm_any(now)) keep_hits(&l->hit, !cleared && !vm_any(l->found), now, &find, c);
-        l->found = vm_or(l->found, now);
-        l->alive = vm_andnot(l->alive, now);
-    }
+    return vm_and(l->alive, cell_gate(r, c));
+}
+
+/* Tests the cells of some lanes. cleared: l->hit is defined before the first hit. */
+CW_INLINE void flat_leaf(packet *l, vmask candidates, cw_leaf leaf, bool any, bool cleared) {
+    vfind find;
+    const vmask now = leaf == CW_LEAF_WATERTIGHT ? wt_cell(&l->r, &l->c, candidates, &find)
+                                                 : mt_cell(&l->r, &l->c, candidates, &find);
+    if (!any && vm_any(now)) keep_hits(&l->hit, !cleared && !vm_any(l->found), now, &find, &l->c);
+    l->found = vm_or(l->found, now);
+    l->alive = vm_andnot(l->alive, now);
+}
+
+/* Steps to the next cells. x_out is 1 going up, else 0, so a step is x_out - x_in, and the last border x_out times the last column. */
+CW_INLINE void flat_next(packet *l, const cw_field *f) {
+    const vray *r = &l->r;
+    vcell *c = &l->c;
+    const vfloat end_x = vf_set((float)(f->nx - 1)), end_y = vf_set((float)(f->ny - 1));
     const vmask in_x = vf_le(c->x_out, c->y_out);
-    const vmask leaves = vm_or(vm_and(in_x, vf_eq(vf_add(c->i, l->x_out), r->x.last)),
-                               vm_andnot(vf_eq(vf_add(c->j, l->y_out), r->y.last), in_x));
+    const vmask leaves = vm_or(vm_and(in_x, vf_eq(vf_add(c->i, l->x_out), vf_mul(l->x_out, end_x))),
+                               vm_andnot(vf_eq(vf_add(c->j, l->y_out), vf_mul(l->y_out, end_y)), in_x));
     const vmask ends = vf_gt(vf_min(c->x_out, c->y_out), r->until);
     l->alive = vm_andnot(l->alive, vm_or(leaves, ends));
-    c->i = vf_select(in_x, vf_add(c->i, r->x.step), c->i);
-    c->j = vf_select(in_x, c->j, vf_add(c->j, r->y.step));
+    c->i = vf_select(in_x, vf_add(c->i, vf_sub(l->x_out, l->x_in)), c->i);
+    c->j = vf_select(in_x, c->j, vf_add(c->j, vf_sub(l->y_out, l->y_in)));
     c->x_in = vf_select(in_x, c->x_out, c->x_in);
     c->y_in = vf_select(in_x, c->y_in, c->y_out);
     c->x_out = crossing(&r->x, vf_add(c->i, l->x_out));

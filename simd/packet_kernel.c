@@ -41,8 +41,11 @@ CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, siz
     l->hit = (found_hits){{zero, zero, l->found}, zero, zero, zero, zero, zero};
     flat_start(l, f);
     if (if_short && some_are_long(l, f, &guessed)) return false;
-    while (vm_any(l->alive)) /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */
-        flat_step(l, f, leaf, any, true);
+    while (vm_any(l->alive)) { /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */
+        const vmask candidates = flat_gate(l, f);
+        if (vm_any(candidates)) flat_leaf(l, candidates, leaf, any, true);
+        flat_next(l, f);
+    }
     return !if_short || !vm_any(vm_andnot(guessed, l->found));
 }
 

@@ -22,8 +22,8 @@
 enum { FLAT_STEPS = 4 };
 
 /* Climb and flat steps for the rays of w in these packets, which share no walk; queues those that go on. The packets
- * climb together and step together, since each alone is one chain of dependent operations. Rejected, as slower: one
- * packet after another. */
+ * climb together and step together, and all pass their gates before the first leaf test, since each alone is one chain of dependent
+ * operations. Rejected, as slower: one packet after another. */
 CW_INLINE void walk_apart(tile_walk *w, climber *climbers, packet_set apart, bool any) {
     const cw_field *f = w->f;
     climb(w->packets, climbers, apart, f);
@@ -36,16 +36,29 @@ CW_INLINE void walk_apart(tile_walk *w, climber *climbers, packet_set apart, boo
         flat |= (packet_set)1 << p;
         flat_start(l, f);
     }
-    for (int k = 0; k < FLAT_STEPS; k++)
+    vmask gates[PACKETS];
+    for (int k = 0; k < FLAT_STEPS; k++) {
+        packet_set tests = 0;
         for (packet_set left = flat; left != 0; left &= left - 1) {
-            packet *l = &w->packets[__builtin_ctzll(left)];
-            if (vm_any(l->alive)) flat_step(l, f, CW_LEAF_WATERTIGHT, any, false);
+            const int p = __builtin_ctzll(left);
+            gates[p] = flat_gate(&w->packets[p], f);
+            tests |= (packet_set)vm_any(gates[p]) << p;
         }
+        for (; tests != 0; tests &= tests - 1) {
+            const int p = __builtin_ctzll(tests);
+            flat_leaf(&w->packets[p], gates[p], CW_LEAF_WATERTIGHT, any, false);
+        }
+        for (packet_set left = flat; left != 0; left &= left - 1) {
+            const int p = __builtin_ctzll(left);
+            flat_next(&w->packets[p], f);
+            flat &= ~((packet_set)!vm_any(w->packets[p].alive) << p);
+        }
+    }
     for (packet_set left = apart; left != 0; left &= left - 1) {
         const size_t p = (size_t)__builtin_ctzll(left);
         packet *l = &w->packets[p];
-        const bool stepped = flat >> p & 1;
         if (!vm_any(l->alive)) continue;
+        const bool stepped = flat >> p & 1;
         if (stepped) l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
         mirror_packet(w->queue, w->first_packet, p, &l->r, f);
         /* After flat steps the lane walk begins at the ray's block; from there it goes up only as far as it must. */

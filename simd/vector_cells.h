@@ -11,9 +11,7 @@
 /* One axis of W rays; see strict_axis. */
 typedef struct vaxis {
     vfloat org, dir, center, inverse;
-    vfloat first, last;
     vmask up;
-    vfloat step; /* +1 or -1 */
 } vaxis;
 
 typedef struct vray {

@@ -169,7 +169,8 @@ static inline vfloat room_above(vfloat height, vfloat dz, float room) {
 }
 
 /* Lanes that can be within the field on this axis. */
-static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples, bool plain) {
+static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples, bool plain, vfloat *enter,
+                              vfloat *leave) {
     const vfloat end = vf_set((float)(samples - 1)), zero = vf_set(0);
     a->org = a->center = org;
     a->dir = dir;
@@ -183,9 +184,9 @@ static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples, 
         within = vm_not(vm_andnot(stands, vm_and(vf_ge(org, zero), vf_le(org, end))));
     }
     a->up = vf_ge(dir, zero);
-    a->first = vf_select(a->up, zero, end);
-    a->last = vf_select(a->up, end, zero);
-    a->step = vf_select(a->up, vf_set(1), vf_set(-1));
+    const vfloat at_zero = crossing(a, zero), at_end = crossing(a, end);
+    *enter = vf_select(a->up, at_zero, at_end);
+    *leave = vf_select(a->up, at_end, at_zero);
     return within;
 }
 
@@ -219,13 +220,14 @@ CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_lea
     vstart s;
     vf_load_rays(rays, c);
     vmask alive = start_rays(&s, f, c, start);
-    alive = vm_and(alive, make_axis(&r->x, s.org[0], s.dir[0], f->nx, s.plain));
-    alive = vm_and(alive, make_axis(&r->y, s.org[1], s.dir[1], f->ny, s.plain));
+    vfloat x_in, x_out, y_in, y_out;
+    alive = vm_and(alive, make_axis(&r->x, s.org[0], s.dir[0], f->nx, s.plain, &x_in, &x_out));
+    alive = vm_and(alive, make_axis(&r->y, s.org[1], s.dir[1], f->ny, s.plain, &y_in, &y_out));
     r->oz = s.org[2];
     r->dz = s.dir[2];
     r->moved = s.moved;
-    r->t0 = vf_max(vf_max(crossing(&r->x, r->x.first), crossing(&r->y, r->y.first)), s.tmin);
-    r->t1 = vf_min(vf_min(crossing(&r->x, r->x.last), crossing(&r->y, r->y.last)), s.tmax);
+    r->t0 = vf_max(vf_max(x_in, y_in), s.tmin);
+    r->t1 = vf_min(vf_min(x_out, y_out), s.tmax);
     r->from = r->t0;
     r->until = r->t1;
     alive = vm_and(alive, vf_le(r->t0, r->t1));

@@ -218,15 +218,21 @@ static inline float_reg rf_load_block(const float *row, ptrdiff_t step, size_t k
 
 /* By fours: the minima of transposes, and of their quarters. */
 CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
-    for (int k = 0; k < 16; k += 4) {
+    enum { QUARTERS = W / 4 };
+    float_reg each[4];
+    for (int k = 0; k < 4; k++) {
         float_reg r[4];
-        float lowest[W];
-        transpose(a + k, r);
-        *(float_memory *)lowest = rf_min(rf_min(r[0], r[1]), rf_min(r[2], r[3])).v;
-        for (int c = 0; c < 4; c++) {
-            out[k + c] = lowest[c];
-            for (int q = 4; q < W; q += 4) out[k + c] = lowest[q + c] < out[k + c] ? lowest[q + c] : out[k + c];
+        transpose(a + 4 * k, r);
+        each[k] = rf_min(rf_min(r[0], r[1]), rf_min(r[2], r[3]));
+    }
+    for (int k = 0; k < 4; k += QUARTERS) {
+        float_reg lowest;
+        for (int h = 0; h < QUARTERS; h++) {
+            quarter q[QUARTERS];
+            for (int c = 0; c < QUARTERS; c++) q[c] = quarter_of(each[k + c], h);
+            lowest = h == 0 ? of_quarters(q) : rf_min(lowest, of_quarters(q));
         }
+        *(float_memory *)(out + 4 * k) = lowest.v;
     }
 }
 #undef LANE
