@@ -5,6 +5,7 @@
 #include "cellwalk_terrain.h"
 #include "harness/harness_memory.h"
 #include "inputs.h"
+#include "large.h"
 #include "number.h"
 #include "raster.h"
 
@@ -29,7 +30,7 @@ static bool read_raster(land *l, const char *path, double cell_size, io_error *e
     const double cell = hypot(raster.map[0][0], raster.map[1][0]) * unit;
     const double height = g->height_unit > 0 ? g->height_unit : 1;
     l->samples = (workload_field){.name = l->name, .nx = raster.nx, .ny = raster.ny};
-    l->samples.z = malloc(raster.nx * raster.ny * sizeof *l->samples.z);
+    l->samples.z = large_allocate(raster.nx * raster.ny * sizeof *l->samples.z);
     if (l->samples.z == NULL) memory_end();
     for (size_t k = 0; k < raster.nx * raster.ny; k++) l->samples.z[k] = (float)((double)raster.z[k] * height / cell);
     io_raster_free(&raster);

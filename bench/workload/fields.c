@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "workload/fields.h"
 
+#include "large.h"
 #include "workload/fractal_terrain.h"
 
 #include <stdlib.h>
@@ -45,7 +46,7 @@ bool workload_field_make(const char *name, workload_field *field) {
     if (!workload_field_exists(name)) return false;
     const size_t side = land ? land : fields[f].side;
     const size_t count = side * side;
-    float *z = malloc(count * sizeof *z);
+    float *z = large_allocate(count * sizeof *z);
     *field = (workload_field){name, NULL, side, side, z};
     if (z && land)
         terrain_fractal(z, side, side, 1, 0.1f);
@@ -57,7 +58,7 @@ bool workload_field_make(const char *name, workload_field *field) {
 }
 
 void workload_field_free(workload_field *field) {
-    free(field->z);
+    large_release(field->z);
     *field = (workload_field){0};
 }
 
