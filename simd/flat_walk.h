@@ -21,16 +21,16 @@ typedef struct packet {
     vmask alive; /* still walking */
     vmask found;
     found_hits hit; /* of the lanes in found; undefined if there are none, and for any-hit queries */
-    /* Constants of the ray: border beyond the cell as an offset from its low corner, sample steps. */
-    vfloat x_in, x_out, y_in, y_out;
-    vint step_x, step_y;
+    /* Constants of the ray: borders by which it leaves a cell as offsets from its low corner; steps in cells and in samples. */
+    vfloat x_out, y_out, x_step, y_step;
+    vint samples_x, samples_y;
 } packet;
 
 /* The first cell along an axis that is left at t or later: the place at t is a guess, which the crossings correct. The
  * loops end after one turn unless the origin is so far away that neighbouring floats are cells apart. */
 static inline vfloat first_cell(const vaxis *a, vfloat t, size_t samples, vmask alive) {
     const vfloat zero = vf_set(0), one = vf_set(1), last = vf_set((float)(samples - 1) - 1);
-    const vfloat out = vf_select(a->up, one, zero), in = vf_sub(one, out);
+    const vfloat out = vf_select(a->up, one, zero), in = vf_sub(one, out), step = vf_sub(out, in);
     const vfloat begin = vf_select(a->up, zero, last), end = vf_sub(last, begin);
     vfloat place = vf_floor(vf_add(a->org, vf_mul(t, a->dir)));
     place = vf_max(vf_min(last, place), zero); /* in this order -0 becomes 0, as if it had been an integer */
@@ -40,12 +40,12 @@ static inline vfloat first_cell(const vaxis *a, vfloat t, size_t samples, vmask 
     for (;;) {
         const vmask early = vm_andnot(vf_lt(crossing(a, vf_add(place, out)), t), vf_eq(place, end));
         if (!vm_any(vm_and(early, moves))) break;
-        place = vf_select(vm_and(early, moves), vf_add(place, vf_sub(out, in)), place);
+        place = vf_select(vm_and(early, moves), vf_add(place, step), place);
     }
     for (;;) {
         const vmask late = vm_andnot(vf_ge(crossing(a, vf_add(place, in)), t), vf_eq(place, begin));
         if (!vm_any(vm_and(late, moves))) break;
-        place = vf_select(vm_and(late, moves), vf_sub(place, vf_sub(out, in)), place);
+        place = vf_select(vm_and(late, moves), vf_sub(place, step), place);
     }
     return place;
 }
@@ -57,17 +57,18 @@ static inline void flat_start(packet *l, const cw_field *f) {
     vcell *c = &l->c;
     c->i = first_cell(&r->x, r->from, f->nx, l->alive);
     c->j = first_cell(&r->y, r->from, f->ny, l->alive);
-    l->x_in = vf_select(r->x.up, zero, one);
-    l->x_out = vf_sub(one, l->x_in);
-    l->y_in = vf_select(r->y.up, zero, one);
-    l->y_out = vf_sub(one, l->y_in);
-    c->x_in = crossing(&r->x, vf_add(c->i, l->x_in));
+    l->x_out = vf_select(r->x.up, one, zero);
+    l->y_out = vf_select(r->y.up, one, zero);
+    const vfloat x_in = vf_sub(one, l->x_out), y_in = vf_sub(one, l->y_out);
+    l->x_step = vf_sub(l->x_out, x_in);
+    l->y_step = vf_sub(l->y_out, y_in);
+    c->x_in = crossing(&r->x, vf_add(c->i, x_in));
     c->x_out = crossing(&r->x, vf_add(c->i, l->x_out));
-    c->y_in = crossing(&r->y, vf_add(c->j, l->y_in));
+    c->y_in = crossing(&r->y, vf_add(c->j, y_in));
     c->y_out = crossing(&r->y, vf_add(c->j, l->y_out));
     const vint row = vi_set((int32_t)f->stride), minus_row = vi_set(-(int32_t)f->stride);
-    l->step_x = vi_select(r->x.up, vi_set(1), vi_set(-1));
-    l->step_y = vi_select(r->y.up, row, minus_row);
+    l->samples_x = vi_select(r->x.up, vi_set(1), vi_set(-1));
+    l->samples_y = vi_select(r->y.up, row, minus_row);
     l->sample =
         vi_add(vi_mul(vi_from_vf(vf_select(l->alive, c->j, zero)), row), vi_from_vf(vf_select(l->alive, c->i, zero)));
 }
@@ -93,8 +94,7 @@ static inline void keep_hits(found_hits *h, bool first, vmask now, const vfind *
 CW_INLINE vmask flat_gate(packet *l, const cw_field *f) {
     const vray *r = &l->r;
     vcell *c = &l->c;
-    c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->t0);
-    c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->t1);
+    clip_cell(c, r);
     vf_gather_pairs(f->z, l->sample, l->alive, &c->h00, &c->h10);
     vf_gather_pairs(f->z + f->stride, l->sample, l->alive, &c->h01, &c->h11);
     return vm_and(l->alive, cell_gate(r, c));
@@ -110,7 +110,7 @@ CW_INLINE void flat_leaf(packet *l, vmask candidates, cw_leaf leaf, bool any, bo
     l->alive = vm_andnot(l->alive, now);
 }
 
-/* Steps to the next cells. x_out is 1 going up, else 0, so a step is x_out - x_in, and the last border x_out times the last column. */
+/* Steps to the next cells. x_out is 1 going up, else 0, so x_out times the last column is the last border. */
 CW_INLINE void flat_next(packet *l, const cw_field *f) {
     const vray *r = &l->r;
     vcell *c = &l->c;
@@ -120,13 +120,13 @@ CW_INLINE void flat_next(packet *l, const cw_field *f) {
                                vm_andnot(vf_eq(vf_add(c->j, l->y_out), vf_mul(l->y_out, end_y)), in_x));
     const vmask ends = vf_gt(vf_min(c->x_out, c->y_out), r->until);
     l->alive = vm_andnot(l->alive, vm_or(leaves, ends));
-    c->i = vf_select(in_x, vf_add(c->i, vf_sub(l->x_out, l->x_in)), c->i);
-    c->j = vf_select(in_x, c->j, vf_add(c->j, vf_sub(l->y_out, l->y_in)));
+    c->i = vf_select(in_x, vf_add(c->i, l->x_step), c->i);
+    c->j = vf_select(in_x, c->j, vf_add(c->j, l->y_step));
     c->x_in = vf_select(in_x, c->x_out, c->x_in);
     c->y_in = vf_select(in_x, c->y_in, c->y_out);
     c->x_out = crossing(&r->x, vf_add(c->i, l->x_out));
     c->y_out = crossing(&r->y, vf_add(c->j, l->y_out));
-    l->sample = vi_add(l->sample, vi_select(in_x, l->step_x, l->step_y));
+    l->sample = vi_add(l->sample, vi_select(in_x, l->samples_x, l->samples_y));
 }
 
 /* Writes the answers of all W lanes: hits where found, else misses. start: of make_rays. */

@@ -84,10 +84,6 @@ CW_INLINE void one_found(lane_answers *a, const cw_field *f, uint32_t ray, const
 CW_INLINE void lanes_found(lane_answers *a, const cw_field *f, const lane_set *l, unsigned found, unsigned in_b) {
     for (; found != 0; found &= found - 1) {
         const unsigned k = (unsigned)__builtin_ctz(found);
-        if (a->occluded) {
-            a->occluded[l->ray[k]] = 1;
-            continue;
-        }
         const bool b = in_b >> k & 1;
         const int32_t i = l->x[k] ^ l->rays.i[RAY_TURNED_X][k], j = l->y[k] ^ l->rays.i[RAY_TURNED_Y][k];
         const float *row = f->z + (size_t)j * f->stride + (size_t)i, *corner = b ? row + f->stride : row + 1;
@@ -99,7 +95,8 @@ CW_INLINE void lanes_found(lane_answers *a, const cw_field *f, const lane_set *l
 
 /* ---- the walk ---- */
 
-/* REFILL_AT: empty lanes at which they are refilled. LEAF_AT: lanes waiting at a cell at which cells are tested. */
+/* REFILL_AT: empty lanes at which they are refilled. LEAF_AT: lanes waiting at cells at which the next
+ * step tests these. */
 enum { REFILL_AT = LANES < 4 ? 1 : LANES < 16 ? LANES / 4 : 3, LEAF_AT = (3 * LANES + 7) / 8 };
 
 /* If the queue is empty, two registers stop when one can hold the rest. */
@@ -113,8 +110,9 @@ typedef struct lane_state {
     vint x, y;    /* low corner of the node, mirrored */
     vint level;   /* 0 for cells; side 4^level */
     vmask alive;
-    int waited;           /* lanes that waited at cells a step ago; 0 after a leaf test */
-    unsigned found, in_b; /* lanes that have ended with a find, its t in t and leave; those of them in triangle B */
+    int waited; /* lanes that waited at cells a step ago; 0 after a leaf test */
+    /* Lanes that have ended with a find, its t in t and leave, which no step changes as t <= leave; those of them in triangle B. */
+    unsigned found, in_b;
 } lane_state;
 
 /* Copies a ray that has been made ready into a lane, in loops of at most 16 turns, which compilers unroll. */
@@ -137,15 +135,12 @@ CW_INLINE void refill_lane(lane_set *l, size_t lane, const lane_queue *queue, co
 }
 
 CW_INLINE lane_state load_lanes(const lane_set *l) {
-    return (lane_state){vf_load(l->t),
-                        vf_load(l->leave),
-                        vi_load(l->x),
-                        vi_load(l->y),
-                        vi_load(l->level),
-                        vm_from_bits(l->living),
-                        0,
-                        0,
-                        0};
+    return (lane_state){.t = vf_load(l->t),
+                        .leave = vf_load(l->leave),
+                        .x = vi_load(l->x),
+                        .y = vi_load(l->y),
+                        .level = vi_load(l->level),
+                        .alive = vm_from_bits(l->living)};
 }
 
 CW_INLINE void store_lanes(lane_set *l, const lane_state *s) {
@@ -181,7 +176,7 @@ CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][SLOTS], vint turned) {
 }
 
 /* Tests the cells at which lanes wait; returns the lanes that hit. Their finds stay in the lanes until these are refilled. Rejected:
- * to take them out at once, by a branch that is hard to foretell. */
+ * to take them out at once (papers/walks.md). */
 CW_INLINE vmask lane_leaf(lane_state *s, lane_rays *rays, const cw_field *f, const lane_axis axis[2], vmask waits) {
     const vint turned_x = vi_load(rays->i[RAY_TURNED_X]), turned_y = vi_load(rays->i[RAY_TURNED_Y]);
     const vint i = vi_xor(s->x, turned_x), j = vi_xor(s->y, turned_y);
@@ -200,8 +195,7 @@ CW_INLINE vmask lane_leaf(lane_state *s, lane_rays *rays, const cw_field *f, con
     c.y_in = vf_mul(vf_sub(axis[1].corner, vf_load(fy[RAY_CENTER])), vf_load(fy[RAY_INVERSE]));
     c.x_out = axis[0].out;
     c.y_out = axis[1].out;
-    c.t0 = vf_max(vf_max(c.x_in, c.y_in), r.t0);
-    c.t1 = vf_min(vf_min(c.x_out, c.y_out), r.t1);
+    clip_cell(&c, &r);
     const vint sample = vi_add(vi_mul(j, vi_set((int32_t)f->stride)), i);
     vf_gather_pairs(f->z, sample, waits, &c.h00, &c.h10);
     vf_gather_pairs(f->z + f->stride, sample, waits, &c.h01, &c.h11);
@@ -307,22 +301,22 @@ CW_INLINE void lane_advance(lane_state *s, lane_rays *rays, const lane_axis axis
 }
 
 /* One step of every living lane, except those that wait at a cell. Level 0 here is cells; level l + 1 is the pyramid's
- * level l. Whether cells are tested depends on the step before, so the CPU knows it early. Rejected: on this step, since the
- * branch is hard to foretell (papers/walks.md). */
+ * level l. Unless no lane can move, the step before decides whether cells are tested, so the CPU knows it early. Rejected:
+ * this step, which ends late (papers/walks.md). */
 CW_INLINE void lane_step(lane_state *s, lane_rays *rays, const cw_field *f) {
     const vfloat side = vf_power_of_2(vi_add(s->level, s->level));
     const lane_axis axis[2] = {look_along(rays->f, s->x, side), look_along(rays->f + RAY_AXIS, s->y, side)};
     const vfloat out = vf_min(axis[0].out, axis[1].out);
     const vmask at_cell = vi_eq(s->level, vi_set(0)), waits = vm_and(s->alive, at_cell);
     vmask moves = vm_andnot(s->alive, at_cell);
-    const bool test = s->waited >= LEAF_AT;
-    s->waited = test ? 0 : __builtin_popcount(vm_bits(waits));
-    if (test || !vm_any(moves)) {
+    if (s->waited >= LEAF_AT || !vm_any(moves)) {
         const vmask found = lane_leaf(s, rays, f, axis, waits);
         s->alive = vm_andnot(s->alive, found);
         moves = vm_andnot(waits, found);
+        s->waited = 0;
     } else {
         moves = vm_andnot(moves, lane_descend(s, rays, f, axis, side, out, moves));
+        s->waited = __builtin_popcount(vm_bits(waits));
     }
     lane_advance(s, rays, axis, out, moves);
 }
@@ -349,7 +343,7 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, lane_answers *
 }
 
 /* Walks the rays in the lanes and in the queue to their ends and writes their hits. If more are to follow, it
- * returns when the queue is empty and few rays are left; these stay in their lanes, and finds in answers, for the
+ * returns when the queue is empty and lanes would be refilled; rays stay in their lanes, and finds in answers, for the
  * next call. Two registers leave the last rays to one (walk_alone).
  *
  * Rejected: ending each batch, with ever fewer lanes alive. Rejected: two vectors of lanes that take turns, so that

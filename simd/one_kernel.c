@@ -78,8 +78,7 @@ static inline bool test_block(const vray *r, quadrant q, const cw_field *f, int3
         if (W == 1) k ^= (size_t)turn(q);
         vcell c;
         cross_children(r, q, x, y, 1, k, &c);
-        c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
-        c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
+        clip_cell(&c, r);
         c.h00 = vf_load_block(s.z, step, k);
         c.h10 = vf_load_block(s.z + 1, step, k);
         c.h01 = vf_load_block(s.z + step, step, k);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The shared walk of coherent rays. A tile of 64 rays goes through the pyramid as one fat ray (fat_ray.h). At a block each ray
- * is tested against the block's bounds. Then each packet takes the block's cells one after another, with the cell broadcast and
- * the rays in lanes: first all gates, then the leaf tests. Where the rays diverge, the tile falls apart: those that cross the node are queued for the lane walk, which
- * begins at that node (lane_walk.h).
+/* The shared walk of coherent rays. A tile of 64 rays goes through the pyramid as one fat ray (fat_ray.h). At a block each
+ * ray is tested against the block's bounds. Then each packet takes the block's cells, broadcast, with the rays in lanes: first
+ * all gates, then the leaf tests. Where the rays diverge, the tile falls apart: those that cross the node are queued for the
+ * lane walk, which begins at that node (lane_walk.h).
  *
  * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where smaller beams begin), Boulos, Wald and Shirley 2006 and
  * Wald et al. 2006 (interval and frustum traversal of grids by packets). Rejected: testing every ray against every child. At
@@ -22,16 +22,10 @@ typedef struct block_cells {
     uint16_t gates[PACKETS][CHILDREN]; /* and these rays, a bit each */
 } block_cells;
 
-/* With crossings filled in. */
-static inline void clip_cell(vcell *c, const vray *r) {
-    c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->t0);
-    c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->t1);
-}
-
-/* Finds the gates that packet p's rays pass. All gates of a block come before its first leaf test, as they need no branch, and those
- * that the tests need are then known early. Rejected: each gate before its test (papers/walks.md). */
+/* Finds which rays of packet p pass the gate of which cell. All gates of a block come before its first leaf test: they need no
+ * branch, and which cells must be tested is then known early. Rejected: each gate before its test (papers/walks.md). */
 CW_INLINE void packet_gates(block_cells *b, quadrant q, const vray *r, size_t p, unsigned among) {
-    vfloat bx[5], by[5]; /* rejected: the crossings of each cell anew (papers/walks.md) */
+    vfloat bx[5], by[5]; /* rejected: those of each gate anew (papers/walks.md) */
     for (int k = 0; k < 5; k++) {
         bx[k] = crossing(&r->x, vf_set((float)(b->i + k)));
         by[k] = crossing(&r->y, vf_set((float)(b->j + k)));
@@ -126,9 +120,8 @@ static __attribute__((noinline)) bool block_hits(tile_walk *w, ray_set rays, int
     block_cells b; /* no initialiser: it would clear all gates */
     b.s = &s, b.i = 4 * x, b.j = 4 * y, b.cells = cells;
     for (ray_set left = rays; left != 0;) {
-        const ray_set before = left;
         const size_t p = next_packet(&left);
-        packet_gates(&b, a->q, &w->packets[p].r, p, packet_bits(before, p));
+        packet_gates(&b, a->q, &w->packets[p].r, p, packet_bits(rays, p));
     }
     while (rays != 0) {
         const size_t p = next_packet(&rays);

@@ -41,6 +41,12 @@ typedef struct vcell {
     vfloat h00, h10, h01, h11;
 } vcell;
 
+/* Sets t0 and t1 of cells whose crossings are filled in. */
+static inline void clip_cell(vcell *c, const vray *r) {
+    c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->t0);
+    c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->t1);
+}
+
 /* The cell's lowest and highest sample. Holes drop out: vf_min and vf_max yield the second operand where the first is
  * NaN. */
 static inline vfloat cell_low(const vcell *c) {

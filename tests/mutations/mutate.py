@@ -96,6 +96,8 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
     faults = [f for f in read_faults() if options.only in f["file"] + f["search"]]
+    if not faults:
+        sys.exit(f"--only {options.only}: no fault has that in it")
     if options.check:
         return
     options.work.mkdir(parents=True, exist_ok=True)
