@@ -7,7 +7,7 @@
  *
  * A query enters and leaves. One counter for all threads would move from core to core with every query. So there are
  * several, each on a separate cache line, and the address of a thread's stack selects one. A thread is mostly alone
- * at its counter, and then leaves by a plain store: one locked instruction a query in all.
+ * at its counter, and then leaves by a plain store: one locked instruction a query in all, and none in a process of one thread.
  *
  * Counts hold the process that they were made in. A child made by fork has none of its parent's other threads, and what
  * they left in the counters counts for nothing there. An update of the parent's never ends there, so the field stays shut. */
@@ -67,9 +67,14 @@ static inline door_pass door_try(const door *d) {
     const uint64_t place = (uint64_t)((uintptr_t)&here >> 16) * 0x9E3779B97F4A7C15;
     door_pass pass = {.entry = (door_entry *)&d->entry[place >> 60], /* of a field that is const to its queries */
                       .process = cw_process()};
-    unsigned found = 0;
-    pass.first = atomic_compare_exchange_strong(&pass.entry->first, &found, pass.process) ||
-                 (found != pass.process && atomic_compare_exchange_strong(&pass.entry->first, &found, pass.process));
+    unsigned found = atomic_load_explicit(&pass.entry->first, memory_order_relaxed);
+    if (found != pass.process && process_has_one_thread()) {
+        /* A signal handler may come between: it leaves the entry as it finds it. */
+        atomic_store_explicit(&pass.entry->first, pass.process, memory_order_relaxed);
+        pass.first = true;
+    } else {
+        pass.first = found != pass.process && atomic_compare_exchange_strong(&pass.entry->first, &found, pass.process);
+    }
     if (!pass.first) {
         uint64_t others = atomic_load(&pass.entry->others), more;
         do more = ((uint64_t)pass.process << 32 | door_others(others, pass.process)) + 1;

@@ -12,6 +12,16 @@
 extern atomic_uint cw_process_number;
 static inline unsigned cw_process(void) { return atomic_load_explicit(&cw_process_number, memory_order_relaxed); }
 
+/* False where the C library does not tell. */
+static inline bool process_has_one_thread(void) {
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 32)
+    extern char __libc_single_threaded; /* as <sys/single_threaded.h> has it, which an amalgamation could not include here alone */
+    return __libc_single_threaded != 0;
+#else
+    return false;
+#endif
+}
+
 /* Called before the number is kept anywhere. False when out of memory. */
 bool cw_process_follow_forks(void);
 
