@@ -15,7 +15,7 @@ static inline unsigned cw_process(void) { return atomic_load_explicit(&cw_proces
 /* False where the C library does not tell. */
 static inline bool process_has_one_thread(void) {
 #if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 32)
-    extern char __libc_single_threaded; /* as <sys/single_threaded.h> has it, which an amalgamation could not include here alone */
+    extern char __libc_single_threaded; /* of <sys/single_threaded.h>; amalgamate.py cannot include under a condition */
     return __libc_single_threaded != 0;
 #else
     return false;
