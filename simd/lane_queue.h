@@ -71,8 +71,8 @@ typedef struct lane_queue {
 /* Numbers of a find; FOUND_B: 1 or 0. */
 enum { FOUND_T0, FOUND_T1, FOUND_I, FOUND_J, FOUND_H00, FOUND_CORNER, FOUND_H11, FOUND_B, FOUND_NUMBERS };
 
-/* The caller's arrays, indexed by the numbers of rays; and fewer than W finds of leaf tests that are not yet hits. Two or
- * three come at a time, and refinement takes as long for W of them as for one. */
+/* The caller's arrays, indexed by the numbers of rays; and fewer than W finds of leaf tests that are not yet hits. Few
+ * come at a time, and refinement takes as long for W of them as for one. */
 typedef struct lane_answers {
     const cw_ray *rays;
     cw_hit *hits;      /* of closest-hit queries */

@@ -44,8 +44,7 @@ bool workload_field_make(const char *name, workload_field *field) {
     const size_t land = land_side(name), f = find(name);
     *field = (workload_field){0};
     if (!workload_field_exists(name)) return false;
-    const size_t side = land ? land : fields[f].side;
-    const size_t count = side * side;
+    const size_t side = land ? land : fields[f].side, count = side * side;
     float *z = large_allocate(count * sizeof *z);
     *field = (workload_field){name, NULL, side, side, z};
     if (z && land)
