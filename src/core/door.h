@@ -7,7 +7,8 @@
  *
  * A query enters and leaves. One counter for all threads would move from core to core with every query. So there are
  * several, each on a separate cache line, and the address of a thread's stack selects one. A thread is mostly alone
- * at its counter, and then leaves by a plain store: one locked instruction a query in all, and none in a process of one thread.
+ * at its counter, and then leaves by a plain store: one locked instruction a query in all. A process of one thread uses the first
+ * counter, and no locked instruction.
  *
  * Counts hold the process that they were made in. A child made by fork has none of its parent's other threads, and what
  * they left in the counters counts for nothing there. An update of the parent's never ends there, so the field stays shut. */
@@ -64,11 +65,12 @@ static inline void door_leave(door_pass pass) {
 /* Not in while an update runs. */
 static inline door_pass door_try(const door *d) {
     char here; /* on this thread's stack; stacks lie 64 kB apart at least */
-    const uint64_t place = (uint64_t)((uintptr_t)&here >> 16) * 0x9E3779B97F4A7C15;
+    const bool one_thread = process_has_one_thread();
+    const uint64_t place = one_thread ? 0 : (uint64_t)((uintptr_t)&here >> 16) * 0x9E3779B97F4A7C15;
     door_pass pass = {.entry = (door_entry *)&d->entry[place >> 60], /* of a field that is const to its queries */
                       .process = cw_process()};
     unsigned found = atomic_load_explicit(&pass.entry->first, memory_order_relaxed);
-    if (found != pass.process && process_has_one_thread()) {
+    if (one_thread && found != pass.process) {
         /* A signal handler may come between: it leaves the entry as it finds it. */
         atomic_store_explicit(&pass.entry->first, pass.process, memory_order_relaxed);
         pass.first = true;
