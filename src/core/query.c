@@ -103,10 +103,14 @@ static __attribute__((noinline)) cw_status query_all(const cw_field *field, cons
 }
 
 /* The default kernel; looking for it takes some of the time of one ray. */
-static inline const cw_kernel *kernel_of(cw_isa isa) {
-    static const cw_kernel *_Atomic found[CW_ISA_COUNT];
-    const cw_kernel *kernel = atomic_load_explicit(&found[isa], memory_order_relaxed);
-    if (kernel == NULL) atomic_store_explicit(&found[isa], kernel = cw_kernel_default(isa), memory_order_relaxed);
+static inline const cw_kernel *default_kernel(void) {
+    static const cw_kernel *_Atomic found[CW_ISA_COUNT]; /* none for CW_ISA_ANY */
+    const cw_kernel *kernel =
+        atomic_load_explicit(&found[atomic_load_explicit(&cw_isa_in_use, memory_order_relaxed)], memory_order_relaxed);
+    if (kernel == NULL) {
+        const cw_isa isa = cw_isa_best();
+        atomic_store_explicit(&found[isa], kernel = cw_kernel_default(isa), memory_order_relaxed);
+    }
     return kernel;
 }
 
@@ -117,7 +121,7 @@ static inline cw_status query(const cw_field *field, const cw_run *run, const cw
     const door_pass in = door_enter(&field->door); /* all that few rays need */
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
     const fpenv caller = fpenv_enter();
-    trace_few(kernel_of(cw_isa_best()), field, rays, n, hits, occluded);
+    trace_few(default_kernel(), field, rays, n, hits, occluded);
     fpenv_leave(caller);
     door_leave(in);
     return CW_OK;

@@ -59,23 +59,28 @@ static cw_isa allowed(void) {
     return CW_ISA_ANY;
 }
 
-/* The widest set of the machine that the user allows; -1: not known yet. Detection and the environment give the same answer every
- * time, so two threads that race here both write it. */
-static atomic_int most = -1;
-static atomic_int limit = CW_ISA_ANY;
-
-cw_isa cw_isa_best(void) {
-    int m = atomic_load_explicit(&most, memory_order_relaxed);
-    if (m < 0) {
-        cw_isa machine = detect();
+/* The widest set of the machine that the user allows. Detection and the environment give the same answer every time, so
+ * two threads that race here both write it. */
+static cw_isa widest(void) {
+    static atomic_int known = CW_ISA_ANY;
+    cw_isa isa = (cw_isa)atomic_load_explicit(&known, memory_order_relaxed);
+    if (isa != CW_ISA_ANY) return isa;
+    isa = detect();
 #if defined(CELLWALK_EMULATES_AVX512) /* a test's build, whose kernels for AVX-512 need AVX2 alone */
-        if (machine == CW_ISA_AVX2) machine = CW_ISA_AVX512;
+    if (isa == CW_ISA_AVX2) isa = CW_ISA_AVX512;
 #endif
-        m = (int)cw_isa_common(machine, allowed());
-        atomic_store_explicit(&most, m, memory_order_relaxed);
-    }
-    const cw_isa within = (cw_isa)atomic_load_explicit(&limit, memory_order_relaxed);
-    return within == CW_ISA_ANY ? (cw_isa)m : cw_isa_common((cw_isa)m, within);
+    isa = cw_isa_common(isa, allowed());
+    atomic_store_explicit(&known, (int)isa, memory_order_relaxed);
+    return isa;
 }
 
-void cw_isa_limit(cw_isa isa) { atomic_store(&limit, (int)isa); }
+atomic_int cw_isa_in_use = CW_ISA_ANY;
+
+cw_isa cw_isa_best(void) {
+    int isa = atomic_load_explicit(&cw_isa_in_use, memory_order_relaxed);
+    if (isa != CW_ISA_ANY) return (cw_isa)isa;
+    const cw_isa first = widest();
+    return atomic_compare_exchange_strong(&cw_isa_in_use, &isa, (int)first) ? first : (cw_isa)isa; /* or a limit's */
+}
+
+void cw_isa_limit(cw_isa isa) { atomic_store(&cw_isa_in_use, (int)cw_isa_common(widest(), isa)); }

@@ -5,6 +5,8 @@
 
 #include "cellwalk_expert.h"
 
+#include <stdatomic.h>
+
 /* Calls of so many rays take at most 16 KiB of stack. */
 enum { CW_FEW_RAYS = 8, CW_SHORT_LANES = 4 };
 
@@ -38,6 +40,9 @@ struct cw_kernel {
 
 /* The kernel that cw_kernel_find returns for an unknown name. */
 extern const cw_kernel cw_kernel_none;
+
+/* What cw_isa_best returns; CW_ISA_ANY before its first call. */
+extern atomic_int cw_isa_in_use;
 
 /* The widest instruction set that both include; b may be CW_ISA_ANY. */
 cw_isa cw_isa_common(cw_isa a, cw_isa b);
