@@ -4,7 +4,7 @@
  * A ray goes through them along a monotone staircase. In walk order columns are numbered from where it enters if it goes up
  * in y, and else from where it leaves. So the nearest of some children is the lowest or the highest bit of their mask.
  * Descending takes that bit. Coming back up needs the rest of the mask, which is all the state of a level. Rejected: lanes in
- * walk order, whose loads must be put together (papers/walks.md). */
+ * walk order, but for the 16 of a ray alone (one_kernel.c, papers/walks.md). */
 #ifndef CELLWALK_SIMD_CHILDREN_H
 #define CELLWALK_SIMD_CHILDREN_H
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One ray over the pyramid, for calls of few rays, and for rays that keep a lane for long (lane_walk.h). Lanes are places: the
  * 16 children of a node, or the 16 cells of a block, are tested at once (children.h), by the gate's own operations. So a level
- * costs one chain of operations and one branch that is hard to foretell.
+ * costs one chain of operations and one branch that is hard to foretell. With 16 lanes no branch depends on the ray's quadrant,
+ * which is as good as random.
  *
  * The walk opens a node: it finds the children that the ray meets. It goes down into the nearest, and up when none is left. If
  * the ray begins near the ground, the walk begins at its block: mostly no node above need be opened, and those that must be do
@@ -14,8 +15,8 @@
  * Invariant: at each level what the ray meets is opened from front to back, and all before the first node opened is behind the
  * ray, so the first cell found is the first one hit. A slab passes over a node only if the leaf test's sign is strict on all of
  * it; papers/numerics.md derives how wide it has to be for that. Rejected: slabs for each ray, which take longer than the nodes
- * that they save; all lanes on the columns of a ray that is beside a surface; lanes in walk order, crossings of children carried
- * down, or computed a level ahead (papers/walks.md). */
+ * that they save; all lanes on the columns of a ray that is beside a surface; fewer than 16 lanes in walk order, crossings of
+ * children carried down, or computed a level ahead (papers/walks.md). */
 
 #include "../src/scalar/refine.h"
 #include "children.h"
@@ -32,44 +33,83 @@
  * (papers/walks.md). */
 enum { SOON_CELLS = 8, LOW_HEIGHT = 8, OPENS = 48 };
 
-/* The find of a leaf test in cell (i, j): see strict_find. */
-typedef struct one_find {
-    int32_t i, j;
-    float t0, t1;
-    bool b;
-} one_find;
+/* A cell's row above 32 bits, and its column; or none. One number, as GCC stores two apart and loads them together, which waits for
+ * the stores. */
+typedef int64_t one_cell;
+enum { NO_CELL = -1 };
 
-/* Crossings with the borders of node (x, y)'s children, which have that side, in lanes k W and on. Borders are whole numbers, which
- * nothing rounds. */
-CW_INLINE void cross_children(const vray *r, quadrant q, int32_t x, int32_t y, float side, size_t k, vcell *c) {
-    const vfloat s = vf_set(side), low_x = vf_set((float)(4 * x) * side), low_y = vf_set((float)(4 * y) * side);
+/* 16 children of a node in one register are put in walk order by one instruction. Fewer are not, but their mask. */
+enum { ORDERED = W == CHILDREN };
+
+/* The borders where a ray enters and leaves children, in sides of a child. */
+typedef struct child_borders {
+    vfloat in_x, in_y, out_x, out_y;
+} child_borders;
+
+/* Those of lanes k W and on, in the children's own order. */
+CW_INLINE child_borders borders_of(quadrant q, size_t k) {
     const size_t column = k * COLUMNS_STEP, row = k * W;
-    c->x_in = crossing(&r->x, vf_add(low_x, vf_mul(vf_load(lane_x[!q.up_x] + column), s)));
-    c->y_in = crossing(&r->y, vf_add(low_y, vf_mul(vf_load(lane_y[!q.up_y] + row), s)));
-    c->x_out = crossing(&r->x, vf_add(low_x, vf_mul(vf_load(lane_x[q.up_x] + column), s)));
-    c->y_out = crossing(&r->y, vf_add(low_y, vf_mul(vf_load(lane_y[q.up_y] + row), s)));
+    return (child_borders){vf_load(lane_x[!q.up_x] + column), vf_load(lane_y[!q.up_y] + row),
+                           vf_load(lane_x[q.up_x] + column), vf_load(lane_y[q.up_y] + row)};
+}
+
+/* Bit k of a mask in walk order is child k XOR flip. If ORDERED, so is lane k, which then has these borders; and the nearest child is
+ * always the lowest bit. */
+typedef struct walk_order {
+    quadrant q;
+    int flip;
+    vint child;
+    child_borders borders;
+} walk_order;
+
+CW_INLINE walk_order order_of(quadrant q) {
+    static const int32_t number[CHILDREN] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    static const float in_x[2][CHILDREN] = {{4, 3, 2, 1, 4, 3, 2, 1, 4, 3, 2, 1, 4, 3, 2, 1},
+                                            {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3}};
+    static const float in_y[2][CHILDREN] = {{4, 4, 4, 4, 3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1},
+                                            {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3}};
+    walk_order o = {.q = q, .flip = ORDERED ? 15 - 3 * q.up_x - 12 * q.up_y : turn(q)};
+    if (!ORDERED) return o;
+    const vfloat x = vf_load(in_x[q.up_x]), y = vf_load(in_y[q.up_y]);
+    const vfloat step_x = vf_set((float)(2 * q.up_x - 1)), step_y = vf_set((float)(2 * q.up_y - 1));
+    o.child = vi_xor(vi_load(number), vi_set(o.flip));
+    o.borders = (child_borders){x, y, vf_add(x, step_x), vf_add(y, step_y)};
+    return o;
+}
+
+/* Crossings with the borders of some children of node (x, y), which have that side. Borders are whole numbers, which nothing
+ * rounds. */
+CW_INLINE void cross_children(const vray *r, const child_borders *b, int32_t x, int32_t y, float side, vcell *c) {
+    const vfloat s = vf_set(side), low_x = vf_set((float)(4 * x) * side), low_y = vf_set((float)(4 * y) * side);
+    c->x_in = crossing(&r->x, vf_add(low_x, vf_mul(b->in_x, s)));
+    c->y_in = crossing(&r->y, vf_add(low_y, vf_mul(b->in_y, s)));
+    c->x_out = crossing(&r->x, vf_add(low_x, vf_mul(b->out_x, s)));
+    c->y_out = crossing(&r->y, vf_add(low_y, vf_mul(b->out_y, s)));
 }
 
 /* The children of node (x, y) that the ray meets, in walk order. */
-CW_INLINE unsigned open_node(const vray *r, quadrant q, const cw_pyramid_level *l, int32_t x, int32_t y) {
+CW_INLINE unsigned open_node(const vray *r, const walk_order *o, const cw_pyramid_level *l, int32_t x, int32_t y) {
     const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
     unsigned mask = 0;
     for (size_t k = 0; k < CHILD_VECTORS; k++) {
         vcell c;
-        cross_children(r, q, x, y, l->side, k, &c);
+        const child_borders b = ORDERED ? o->borders : borders_of(o->q, k);
+        cross_children(r, &b, x, y, l->side, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
         const vfloat z0 = vf_mul(t0, r->dz), z1 = vf_mul(t1, r->dz);
-        const vfloat low = above_origin(r, vf_load(brick + k * W));
-        const vfloat high = above_origin(r, vf_load(brick + CHILDREN + k * W));
+        const float *lows = brick + k * W, *highs = lows + CHILDREN;
+        const vfloat low = above_origin(r, ORDERED ? vf_lookup(lows, o->child) : vf_load(lows));
+        const vfloat high = above_origin(r, ORDERED ? vf_lookup(highs, o->child) : vf_load(highs));
         /* meets, whose second comparison would wait for the first */
         const vmask here = vm_and(vf_le(t0, t1), vf_ge(vf_max(z0, z1), low));
         mask |= (vm_bits(here) & vm_bits(vf_le(vf_min(z0, z1), high))) << (k * W);
     }
-    return in_walk_order(mask, q);
+    return ORDERED ? mask : in_walk_order(mask, o->q);
 }
 
-/* Tests the cells of block (x, y). */
-static inline bool test_block(const vray *r, quadrant q, const cw_field *f, int32_t x, int32_t y, one_find *found) {
+/* Tests the cells of block (x, y). Lanes are in the cells' own order, as a mask is needed for a hit alone. */
+static inline one_cell test_block(const vray *r, quadrant q, const cw_field *f, int32_t x, int32_t y,
+                                  strict_find *found) {
     block_samples s;
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     const ptrdiff_t step = (ptrdiff_t)s.stride;
@@ -77,7 +117,8 @@ static inline bool test_block(const vray *r, quadrant q, const cw_field *f, int3
         size_t k = q.up_y ? n : CHILD_VECTORS - 1 - n; /* front to back */
         if (W == 1) k ^= (size_t)turn(q);
         vcell c;
-        cross_children(r, q, x, y, 1, k, &c);
+        const child_borders b = borders_of(q, k);
+        cross_children(r, &b, x, y, 1, &c);
         clip_cell(&c, r);
         c.h00 = vf_load_block(s.z, step, k);
         c.h10 = vf_load_block(s.z + 1, step, k);
@@ -94,15 +135,14 @@ static inline bool test_block(const vray *r, quadrant q, const cw_field *f, int3
         found->t0 = vf_lane(&find.t0, (unsigned)lane);
         found->t1 = vf_lane(&find.t1, (unsigned)lane);
         found->b = vm_bits(find.b) >> lane & 1;
-        found->i = 4 * x + (place & 3);
-        found->j = 4 * y + (place >> 2);
-        return true;
+        return (one_cell)(4 * y + (place >> 2)) << 32 | (4 * x + (place & 3));
     }
-    return false;
+    return NO_CELL;
 }
 
-/* True if the ray hits nothing in node (x, y) of a level. */
-static inline bool slab_misses(const strict_ray *r, const cw_field *f, int level, int32_t x, int32_t y) {
+/* True if the ray hits nothing in node (x, y) of a level. Not inlined, or its numbers would be kept all the way. */
+static __attribute__((noinline)) bool slab_misses(const one_ray *r, const cw_field *f, int level, int32_t x,
+                                                  int32_t y) {
     const struct cw_pyramid *p = f->pyramid;
     const int32_t side = (int32_t)4 << 2 * level;
     const cw_pyramid_slab *s =
@@ -110,17 +150,17 @@ static inline bool slab_misses(const strict_ray *r, const cw_field *f, int level
     const float *bounds = cw_pyramid_node(&p->level[level], (size_t)x, (size_t)y);
     if (!(s->low <= s->high)) return true;
     const int32_t corner[2] = {x * side, y * side};
-    const strict_axis *const axis[2] = {&r->x, &r->y};
-    float t0 = r->from, t1 = r->until;
+    const bool up[2] = {r->q.up_x, r->q.up_y};
+    float t0 = r->from, t1 = r->t1;
     for (int c = 0; c < 2; c++) {
-        const bool up = axis[c]->step > 0;
-        t0 = max_second(t0, strict_crossing(axis[c], (float)(corner[c] + (up ? 0 : side))));
-        t1 = min_second(t1, strict_crossing(axis[c], (float)(corner[c] + (up ? side : 0))));
+        const float enter = (float)(corner[c] + (up[c] ? 0 : side)), leave = (float)(corner[c] + (up[c] ? side : 0));
+        t0 = max_second(t0, (enter - r->center[c]) * r->inverse[c]);
+        t1 = min_second(t1, (leave - r->center[c]) * r->inverse[c]);
     }
     const double u = (double)(FLT_EPSILON / 2), low = (double)s->low, high = (double)s->high, half = 0.5 * side;
-    const double oz = (double)r->oz, dz = (double)r->dz, a = (double)s->slope_x, b = (double)s->slope_y;
-    const double dx = (double)r->x.dir, dy = (double)r->y.dir;
-    const double px = (double)r->x.org - (corner[0] + half), py = (double)r->y.org - (corner[1] + half);
+    const double oz = (double)r->org[2], dz = (double)r->dir[2], a = (double)s->slope_x, b = (double)s->slope_y;
+    const double dx = (double)r->dir[0], dy = (double)r->dir[1];
+    const double px = (double)r->org[0] - (corner[0] + half), py = (double)r->org[1] - (corner[1] + half);
     const double steep = fabs(a) + fabs(b), sigma = steep + (high - low),
                  absolute = max_second_d(fabs(low), fabs(high));
     /* Slabs with a slope have been set outward for rays from anywhere (cw_slab_outward). That is taken back, and replaced by
@@ -137,20 +177,20 @@ static inline bool slab_misses(const strict_ray *r, const cw_field *f, int level
     return min_second_d(d0, d1) > high + pad || max_second_d(d0, d1) < low - pad;
 }
 
-/* From start on, or from the top if that is NULL. late: from t on, with slabs from the first node on. */
-static __attribute__((noinline)) bool walk_one(const cw_field *f, const cw_ray *ray, const one_start *start, bool late,
-                                               float t, strict_ray *one, one_find *found) {
+/* From start on, or from the top if that is NULL. late: with slabs from the first node on. The last seven are members of one, in
+ * registers: loads would wait for their stores. */
+static __attribute__((noinline)) one_cell walk_one(const cw_field *f, const one_ray *one, const one_start *start,
+                                                   bool late, strict_find *found, quarter org, quarter dir,
+                                                   quarter center, quarter inverse, float t0, float t1, float from) {
     const struct cw_pyramid *p = f->pyramid;
-    if (!init_one_ray(one, f, ray)) return false;
-    if (late) one->from = max_second(t, one->from);
-    const quadrant q = {one->x.step > 0, one->y.step > 0};
+    const walk_order order = order_of(one->q), *const o = &order;
     vray r;
-    r.x.org = vf_set(one->x.org), r.x.dir = vf_set(one->x.dir), r.x.up = vm_set(q.up_x);
-    r.y.org = vf_set(one->y.org), r.y.dir = vf_set(one->y.dir), r.y.up = vm_set(q.up_y);
-    r.x.center = vf_set(one->x.center), r.x.inverse = vf_set(one->x.inverse);
-    r.y.center = vf_set(one->y.center), r.y.inverse = vf_set(one->y.inverse);
-    r.oz = vf_set(one->oz), r.dz = vf_set(one->dz);
-    r.t0 = vf_set(one->t0), r.t1 = vf_set(one->t1), r.from = vf_set(one->from), r.until = vf_set(one->until);
+    r.x.org = vf_set(org[0]), r.x.dir = vf_set(dir[0]), r.x.up = vm_set(o->q.up_x);
+    r.y.org = vf_set(QUARTER_FLOAT(org, 1)), r.y.dir = vf_set(QUARTER_FLOAT(dir, 1)), r.y.up = vm_set(o->q.up_y);
+    r.x.center = vf_set(center[0]), r.x.inverse = vf_set(inverse[0]);
+    r.y.center = vf_set(QUARTER_FLOAT(center, 1)), r.y.inverse = vf_set(QUARTER_FLOAT(inverse, 1));
+    r.oz = vf_set(QUARTER_FLOAT(org, 2)), r.dz = vf_set(QUARTER_FLOAT(dir, 2));
+    r.t0 = vf_set(t0), r.t1 = r.until = vf_set(t1), r.from = vf_set(from);
     unsigned mask = 0, keep = ~0u, todo[PYRAMID_LEVELS_MAX];
     int level = p->levels - 1, opened = late ? OPENS : 0; /* level -1: cells */
     int32_t x = 0, y = 0;
@@ -158,16 +198,17 @@ static __attribute__((noinline)) bool walk_one(const cw_field *f, const cw_ray *
     int top = level;
     for (;;) {
         if (level < 0) {
-            if (test_block(&r, q, f, x, y, found)) return true;
+            const one_cell cell = test_block(&r, o->q, f, x, y, found);
+            if (cell != NO_CELL) return cell;
             mask = 0;
         } else {
             const bool judged = __builtin_expect(opened >= OPENS, 0) && level + 1 < p->levels;
-            mask = judged && slab_misses(one, f, level + 1, x, y) ? 0 : open_node(&r, q, &p->level[level], x, y) & keep;
+            mask = judged && slab_misses(one, f, level + 1, x, y) ? 0 : open_node(&r, o, &p->level[level], x, y) & keep;
             keep = ~0u;
         }
         while (mask == 0) {
-            if (++level == p->levels) return false;
-            const int own = ((y & 3) << 2 | (x & 3)) ^ turn(q);
+            if (++level == p->levels) return NO_CELL;
+            const int own = ((y & 3) << 2 | (x & 3)) ^ o->flip;
             x >>= 2;
             y >>= 2;
             if (level > top) {
@@ -179,7 +220,7 @@ static __attribute__((noinline)) bool walk_one(const cw_field *f, const cw_ray *
         }
         if (mask == 0) continue;
         opened++;
-        const int32_t place = nearest(mask, q), child = place ^ turn(q);
+        const int32_t place = ORDERED ? __builtin_ctz(mask) : nearest(mask, o->q), child = place ^ o->flip;
         todo[level--] = mask ^ 1u << place;
         x = 4 * x + (child & 3);
         y = 4 * y + (child >> 2);
@@ -201,8 +242,8 @@ static inline bool falls_soon(const cw_field *f, const cw_ray *ray, const one_st
 /* cw_one1, cw_one4, cw_one8 or cw_one16. */
 void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     for (size_t k = 0; k < n; k++) {
-        one_find at;
-        strict_ray one;
+        one_ray one;
+        strict_find at;
         cw_hit *const hit = hits ? &hits[k] : NULL;
         uint8_t *const blocked = hits ? NULL : &occluded[k];
         one_start start;
@@ -213,18 +254,19 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
             continue;
         }
         const bool low = inside && fabsf(start.height) <= LOW_HEIGHT;
-        const bool found = walk_one(f, &rays[k], low ? &start : NULL, false, 0, &one, &at);
+        const one_cell cell = init_one_ray(&one, f, &rays[k])
+                                  ? walk_one(f, &one, low ? &start : NULL, false, &at, one.org, one.dir, one.center,
+                                             one.inverse, one.t0, one.t1, one.from)
+                                  : NO_CELL;
         if (hits == NULL) {
-            occluded[k] = found;
-        } else if (found) {
-            const float *row = f->z + (size_t)at.j * f->stride + (size_t)at.i;
-            const strict_cell c = {.i = (size_t)at.i,
-                                   .j = (size_t)at.j,
-                                   .h00 = row[0],
-                                   .h10 = row[1],
-                                   .h01 = row[f->stride],
-                                   .h11 = row[f->stride + 1]};
-            hits[k] = refine_hit(&one.start, &c, &(strict_find){at.t0, at.t1, at.b});
+            occluded[k] = cell != NO_CELL;
+        } else if (cell != NO_CELL) {
+            const size_t i = (uint32_t)cell, j = (uint32_t)(cell >> 32);
+            const float *row = f->z + j * f->stride + i;
+            const strict_cell c = {
+                .i = i, .j = j, .h00 = row[0], .h10 = row[1], .h01 = row[f->stride], .h11 = row[f->stride + 1]};
+            const ray_start s = one_refined(&one, f, &rays[k]);
+            hits[k] = refine_hit(&s, &c, &at);
         } else { /* not by miss(), which compilers make elsewhere and copy */
             hits[k].t = INFINITY;
             hits[k].i = hits[k].j = -1;
@@ -235,11 +277,16 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
 }
 
 bool CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, float find[FOUND_NUMBERS]) {
-    one_find at;
-    strict_ray one;
-    if (!walk_one(f, ray, NULL, true, t, &one, &at)) return false;
-    const float *row = f->z + (size_t)at.j * f->stride + (size_t)at.i, *corner = at.b ? row + f->stride : row + 1;
-    const float numbers[FOUND_NUMBERS] = {at.t0,  at.t1,   (float)at.i,        (float)at.j,
+    one_ray one;
+    strict_find at;
+    if (!init_one_ray(&one, f, ray)) return false;
+    one.from = max_second(t, one.from);
+    const one_cell cell =
+        walk_one(f, &one, NULL, true, &at, one.org, one.dir, one.center, one.inverse, one.t0, one.t1, one.from);
+    if (cell == NO_CELL) return false;
+    const size_t i = (uint32_t)cell, j = (uint32_t)(cell >> 32);
+    const float *row = f->z + j * f->stride + i, *corner = at.b ? row + f->stride : row + 1;
+    const float numbers[FOUND_NUMBERS] = {at.t0,  at.t1,   (float)i,           (float)j,
                                           row[0], *corner, row[f->stride + 1], at.b ? 1 : 0};
     memcpy(find, numbers, sizeof numbers);
     return true;

@@ -10,16 +10,38 @@
 #define CELLWALK_SIMD_ONE_RAY_H
 
 #include "../src/scalar/strict.h"
+#include "children.h"
 #include "field.h"
 #include "vocabulary.h"
 
+/* See strict_ray. center and inverse have no height. */
+typedef struct one_ray {
+    quarter org, dir, center, inverse;
+    float t0, t1, from;
+    quadrant q;
+    bool special; /* left to strict_ray_init */
+} one_ray;
+
 /* Not inlined, so that other rays do not pay for its registers. */
-static __attribute__((noinline)) bool init_special(strict_ray *r, const cw_field *f, const cw_ray *ray) {
-    return strict_ray_init(r, f, ray, CW_LEAF_WATERTIGHT);
+static __attribute__((noinline)) bool init_special(one_ray *r, const cw_field *f, const cw_ray *ray) {
+    strict_ray s;
+    if (!strict_ray_init(&s, f, ray, CW_LEAF_WATERTIGHT)) return false;
+    *r = (one_ray){
+        .org = {s.x.org, s.y.org, s.oz},
+        .dir = {s.x.dir, s.y.dir, s.dz},
+        .center = {s.x.center, s.y.center},
+        .inverse = {s.x.inverse, s.y.inverse},
+        .t0 = s.t0,
+        .t1 = s.t1,
+        .from = s.t0,
+        .q = {s.x.step > 0, s.y.step > 0},
+        .special = true,
+    };
+    return true;
 }
 
-/* Sets all but borders, and members of start that refine_hit does not read. False if the ray cannot hit. */
-CW_INLINE bool init_one_ray(strict_ray *r, const cw_field *f, const cw_ray *ray) {
+/* False if the ray cannot hit. */
+CW_INLINE bool init_one_ray(one_ray *r, const cw_field *f, const cw_ray *ray) {
     typedef int32_t bits __attribute__((vector_size(16)));
     const float *const numbers = (const float *)ray;
     const quarter o = load_quarter(numbers), d = load_quarter(numbers + 4); /* with tmin and tmax as fourth */
@@ -36,23 +58,24 @@ CW_INLINE bool init_one_ray(strict_ray *r, const cw_field *f, const cw_ray *ray)
     const float dz = d[2], z0 = t0 * dz, z1 = t1 * dz;
     if (!(ray->tmin <= ray->tmax && t0 <= t1)) return false;
     if (!(max_second(z0, z1) >= f->low - o[2] && min_second(z0, z1) <= f->high - o[2])) return false;
-
-    r->x.org = r->x.center = o[0], r->x.dir = d[0], r->x.inverse = inverse[0], r->x.step = d[0] > 0 ? 1 : -1;
-    r->y.org = r->y.center = o[1], r->y.dir = d[1], r->y.inverse = inverse[1], r->y.step = d[1] > 0 ? 1 : -1;
-    r->oz = o[2];
-    r->dz = dz;
-    r->t0 = t0;
+    r->org = r->center = o;
+    r->dir = d;
+    r->inverse = inverse;
+    r->t0 = r->from = t0;
     r->t1 = t1;
-    r->from = t0;
-    r->until = t1;
-    for (int c = 0; c < 3; c++) {
-        r->start.dir[c] = d[c];
-        r->start.base[c] = (double)o[c];
-    }
-    r->start.first = first;
-    r->start.last = last;
-    r->start.shift = 0;
+    r->q = (quadrant){ray->dir[0] > 0, ray->dir[1] > 0};
+    r->special = false;
     return true;
+}
+
+/* As refine_hit reads it, of a ray that hits. */
+CW_INLINE ray_start one_refined(const one_ray *r, const cw_field *f, const cw_ray *ray) {
+    ray_start s = {.dir = {ray->dir[0], ray->dir[1], ray->dir[2]},
+                   .base = {ray->org[0], ray->org[1], ray->org[2]},
+                   .first = max_second(ray->tmin, -RAY_T_LIMIT),
+                   .last = min_second(ray->tmax, RAY_T_LIMIT)};
+    if (__builtin_expect(r->special, 0)) ray_init(&s, f, ray);
+    return s;
 }
 
 /* Where a ray begins: its cell or, of cells that it crosses, an earlier one, and its height above a sample of that cell. */

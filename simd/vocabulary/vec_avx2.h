@@ -10,7 +10,7 @@
 
 #include "vec_x86.h"
 
-static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
+static inline int_reg ri_lookup(const table_entry table[16], int_reg k) {
     const __m256i *halves = (const __m256i *)table, at = (__m256i)k.v;
     const __m256 low = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(_mm256_loadu_si256(halves), at));
     const __m256 high = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(_mm256_loadu_si256(halves + 1), at));

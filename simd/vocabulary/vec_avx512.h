@@ -24,7 +24,7 @@ static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b
 static inline int_reg ri_where(mask_reg m, int_reg a) {
     return (int_reg){(int_lanes)_mm512_maskz_mov_epi32(m.v, (I32)a.v)};
 }
-static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
+static inline int_reg ri_lookup(const table_entry table[16], int_reg k) {
     return (int_reg){(int_lanes)_mm512_permutexvar_epi32((I32)k.v, _mm512_loadu_si512(table))};
 }
 

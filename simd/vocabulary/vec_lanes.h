@@ -54,6 +54,9 @@ typedef float quarter __attribute__((vector_size(16)));
 typedef float quarter_memory __attribute__((vector_size(16), aligned(4), may_alias));
 static inline quarter load_quarter(const float *from) { return *(const quarter_memory *)from; }
 
+/* One of its floats; GCC would take it through memory. */
+#define QUARTER_FLOAT(a, k) (__builtin_shufflevector(a, a, k, k, k, k)[0])
+
 /* A number in all lanes. Compilers leave the difference out, which keeps -0. */
 static inline float_reg rf_set(float a) { return (float_reg){a - (float_lanes){0}}; }
 static inline int_reg ri_set(int32_t a) { return (int_reg){(uint32_t)a + (int_lanes){0}}; }
@@ -125,6 +128,12 @@ static inline float_reg rf_gather(const float *base, int_reg index, mask_reg m) 
     return (float_reg){(float_lanes)((int_lanes)each & m.v)};
 }
 #endif
+
+typedef int32_t table_entry __attribute__((may_alias)); /* or the bits of a float */
+static inline int_reg ri_lookup(const table_entry table[16], int_reg k);
+static inline float_reg rf_lookup(const float table[16], int_reg k) {
+    return (float_reg){(float_lanes)ri_lookup((const table_entry *)table, k).v};
+}
 
 /* The register put together from its quarters. */
 static inline float_reg of_quarters(const quarter q[W / 4]);

@@ -23,7 +23,7 @@ static inline float_reg rf_min(float_reg a, float_reg b) { return rf_select((mas
 static inline float_reg rf_max(float_reg a, float_reg b) { return rf_select((mask_reg){vcgtq_f32(a.v, b.v)}, a, b); }
 static inline float_reg rf_floor(float_reg a) { return (float_reg){vrndmq_f32(a.v)}; }
 /* By bytes: those of entry k are 4 k to 4 k + 3. */
-static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
+static inline int_reg ri_lookup(const table_entry table[16], int_reg k) {
     uint8x16x4_t bytes;
     for (int part = 0; part < 4; part++) bytes.val[part] = vld1q_u8((const uint8_t *)(table + 4 * part));
     const uint32x4_t at = k.v * 0x04040404 + 0x03020100;

@@ -27,6 +27,7 @@ static inline int_reg ri_select(mask_reg m, int_reg a, int_reg b) { return m.v ?
 static inline int_reg ri_from_rf(float_reg a) { return (int_reg){(uint32_t)(int32_t)a.v}; }
 static inline float_reg rf_from_ri(int_reg a) { return (float_reg){(float)(int32_t)a.v}; }
 /* table[k] of 16 entries, k in [0, 15] */
+static inline float_reg rf_lookup(const float table[16], int_reg k) { return rf_set(table[k.v]); }
 static inline int_reg ri_lookup(const int32_t table[16], int_reg k) { return ri_set(table[k.v]); }
 static inline int_reg ri_where(mask_reg m, int_reg a) { return (int_reg){m.v ? a.v : 0}; }
 static inline float_reg rf_flip(float_reg a, float_reg sign) {

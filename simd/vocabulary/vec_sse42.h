@@ -16,7 +16,7 @@ static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){a.
 static inline int_reg ri_shift_right(int_reg a, int_reg by) {
     return ri_from_rf((float_reg){rf_from_ri(a).v * rf_power_of_2((int_reg){-by.v}).v});
 }
-static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
+static inline int_reg ri_lookup(const table_entry table[16], int_reg k) {
     const signed_lanes entry = {table[k.v[0]], table[k.v[1]], table[k.v[2]], table[k.v[3]]};
     return (int_reg){(int_lanes)entry};
 }

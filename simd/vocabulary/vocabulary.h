@@ -150,6 +150,9 @@ static inline vdouble vd_div(vdouble x, vdouble y) { return DOUBLES(SIGN, /); }
 static inline vfloat vf_from_vd(vdouble x) {
     return (vfloat){rf_from_rd(x.a0 UPPER(, x.a1)) SECOND(, rf_from_rd(x.b0 UPPER(, x.b1)))};
 }
+static inline vfloat vf_lookup(const float table[16], vint k) {
+    return (vfloat){rf_lookup(table, k.a) SECOND(, rf_lookup(table, k.b))};
+}
 static inline vint vi_lookup(const int32_t table[16], vint k) {
     return (vint){ri_lookup(table, k.a) SECOND(, ri_lookup(table, k.b))};
 }
