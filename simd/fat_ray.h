@@ -15,7 +15,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdalign.h>
-#include <string.h>
 
 /* Rays of a tile, a bit each; the lanes of packet p are bits p W and on. */
 typedef uint64_t ray_set;

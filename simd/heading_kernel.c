@@ -89,15 +89,6 @@ static inline bool stretch_is_low(const group *g, const cw_stretch *s, int level
     return true;
 }
 
-static inline ptrdiff_t first_sample(const cw_crossing *c, size_t stride) {
-    return (ptrdiff_t)c->j * (ptrdiff_t)stride + (c->i_kind >> 2);
-}
-
-/* From its first sample to its second. */
-static inline ptrdiff_t second_sample(const cw_crossing *c, size_t stride) {
-    return (ptrdiff_t)(c->i_kind & 1) + (c->i_kind >> 1 & 1) * (ptrdiff_t)stride;
-}
-
 /* drop: that of the crossing, if the earth is curved. */
 static inline vfloat slope_up(const cw_crossing *c, vfloat z, vfloat first, vfloat second, const float *drop) {
     const vfloat step = vf_mul(vf_set(c->fraction), vf_sub(second, first));
@@ -120,7 +111,8 @@ CW_INLINE void scan(group *g, const cw_crossing *from, const cw_crossing *end, b
             place[m] = lane / GROUP_COLUMNS * (ptrdiff_t)stride + lane % GROUP_COLUMNS;
         }
         for (const cw_crossing *c = from; c < end; c++) {
-            const float *a = start + first_sample(c, stride), *b = a + second_sample(c, stride);
+            const float *a = start + (ptrdiff_t)c->j * (ptrdiff_t)stride + (c->i_kind >> 2);
+            const float *b = a + (c->i_kind & 1) + (c->i_kind >> 1 & 1) * (ptrdiff_t)stride; /* the second sample */
             for (int m = 0; m < AT_ONCE; m++)
                 best[m] = vf_max(slope_up(c, z[m], vf_load(a + place[m]), vf_load(b + place[m]),
                                           curved ? h->drop + (c - h->crossing) : NULL),

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The lane walk in vectors of two registers, for the pyramid kernels, whose other walks have one. Paper, invariant and rejected
- * variants are in lane_walk.h and vocabulary/vocabulary.h. */
+/* The lane walk (lane_walk.h) in vectors of two registers, for the pyramid kernels, whose other walks have one. */
 #define REGISTERS 2
 
 #include "lane_walk.h"

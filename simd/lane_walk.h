@@ -36,9 +36,6 @@
 
 /* ---- finds, and their conversion to hits ---- */
 
-/* The first n lanes, a bit each. */
-static inline unsigned first_lanes(size_t n) { return (unsigned)(((uint64_t)1 << n) - 1); }
-
 #if REGISTERS == 1 /* vectors of two registers call it, too */
 CW_ONE_COPY void CW_CODE(lane_write)(lane_answers *a, const cw_field *f) {
     const size_t count = a->found;
@@ -352,7 +349,7 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, lane_answers *
 CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers) {
     if (l->living == 0 && queue->n > 0) memset(l, 0, sizeof *l); /* empty lanes take part in every operation */
     for (size_t next = 0;;) {
-        for (unsigned empty = ~l->living & first_lanes(LANES); empty != 0 && next < queue->n; empty &= empty - 1) {
+        for (unsigned empty = ~l->living & ~0u >> (32 - LANES); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);
             refill_lane(l, lane, queue, &queue->rays[next++]);
             l->living |= 1u << lane;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One ray over the pyramid, for calls of few rays, and for rays that keep a lane for long (lane_walk.h). Lanes are places: the
  * 16 children of a node, or the 16 cells of a block, are tested at once (children.h), by the gate's own operations. So a level
- * costs one chain of operations and one branch that is hard to foretell. With 16 lanes no branch depends on the ray's quadrant,
- * which is as good as random.
+ * costs one chain of operations and one branch that is hard to foretell. With 16 lanes, opening a node has no branch that depends on
+ * the ray's quadrant, which is as good as random.
  *
  * The walk opens a node: it finds the children that the ray meets. It goes down into the nearest, and up when none is left. If
  * the ray begins near the ground, the walk begins at its block: mostly no node above need be opened, and those that must be do
@@ -33,12 +33,11 @@
  * (papers/walks.md). */
 enum { SOON_CELLS = 8, LOW_HEIGHT = 8, OPENS = 48 };
 
-/* A cell's row above 32 bits, and its column; or none. One number, as GCC stores two apart and loads them together, which waits for
- * the stores. */
+/* A cell's row above 32 bits, and its column; or none. One number: of two, GCC makes two stores and one load, which waits for both. */
 typedef int64_t one_cell;
 enum { NO_CELL = -1 };
 
-/* 16 children of a node in one register are put in walk order by one instruction. Fewer are not, but their mask. */
+/* With 16 lanes one instruction puts a node's bounds in walk order. With fewer, the mask is put in walk order. */
 enum { ORDERED = W == CHILDREN };
 
 /* The borders where a ray enters and leaves children, in sides of a child. */
@@ -53,8 +52,8 @@ CW_INLINE child_borders borders_of(quadrant q, size_t k) {
                            vf_load(lane_x[q.up_x] + column), vf_load(lane_y[q.up_y] + row)};
 }
 
-/* Bit k of a mask in walk order is child k XOR flip. If ORDERED, so is lane k, which then has these borders; and the nearest child is
- * always the lowest bit. */
+/* Bit k of a mask is child k XOR flip. If ORDERED, rows too are numbered from where the ray enters, so the nearest child is the lowest
+ * bit; lane k is that child, and borders are the lanes'. */
 typedef struct walk_order {
     quadrant q;
     int flip;
@@ -107,7 +106,7 @@ CW_INLINE unsigned open_node(const vray *r, const walk_order *o, const cw_pyrami
     return ORDERED ? mask : in_walk_order(mask, o->q);
 }
 
-/* Tests the cells of block (x, y). Lanes are in the cells' own order, as a mask is needed for a hit alone. */
+/* Tests the cells of block (x, y). Lanes stay in the cells' own order: only a hit needs a mask in walk order. */
 static inline one_cell test_block(const vray *r, quadrant q, const cw_field *f, int32_t x, int32_t y,
                                   strict_find *found) {
     block_samples s;
@@ -140,7 +139,7 @@ static inline one_cell test_block(const vray *r, quadrant q, const cw_field *f, 
     return NO_CELL;
 }
 
-/* True if the ray hits nothing in node (x, y) of a level. Not inlined, or its numbers would be kept all the way. */
+/* True if the ray hits nothing in node (x, y) of a level. Not inlined: else its inputs stay live through the whole walk. */
 static __attribute__((noinline)) bool slab_misses(const one_ray *r, const cw_field *f, int level, int32_t x,
                                                   int32_t y) {
     const struct cw_pyramid *p = f->pyramid;
@@ -183,10 +182,10 @@ static __attribute__((noinline)) one_cell walk_one(const cw_field *f, const one_
                                                    bool late, strict_find *found, quarter org, quarter dir,
                                                    quarter center, quarter inverse, float t0, float t1, float from) {
     const struct cw_pyramid *p = f->pyramid;
-    const walk_order order = order_of(one->q), *const o = &order;
+    const walk_order o = order_of(one->q);
     vray r;
-    r.x.org = vf_set(org[0]), r.x.dir = vf_set(dir[0]), r.x.up = vm_set(o->q.up_x);
-    r.y.org = vf_set(QUARTER_FLOAT(org, 1)), r.y.dir = vf_set(QUARTER_FLOAT(dir, 1)), r.y.up = vm_set(o->q.up_y);
+    r.x.org = vf_set(org[0]), r.x.dir = vf_set(dir[0]), r.x.up = vm_set(o.q.up_x);
+    r.y.org = vf_set(QUARTER_FLOAT(org, 1)), r.y.dir = vf_set(QUARTER_FLOAT(dir, 1)), r.y.up = vm_set(o.q.up_y);
     r.x.center = vf_set(center[0]), r.x.inverse = vf_set(inverse[0]);
     r.y.center = vf_set(QUARTER_FLOAT(center, 1)), r.y.inverse = vf_set(QUARTER_FLOAT(inverse, 1));
     r.oz = vf_set(QUARTER_FLOAT(org, 2)), r.dz = vf_set(QUARTER_FLOAT(dir, 2));
@@ -198,17 +197,18 @@ static __attribute__((noinline)) one_cell walk_one(const cw_field *f, const one_
     int top = level;
     for (;;) {
         if (level < 0) {
-            const one_cell cell = test_block(&r, o->q, f, x, y, found);
+            const one_cell cell = test_block(&r, o.q, f, x, y, found);
             if (cell != NO_CELL) return cell;
             mask = 0;
         } else {
             const bool judged = __builtin_expect(opened >= OPENS, 0) && level + 1 < p->levels;
-            mask = judged && slab_misses(one, f, level + 1, x, y) ? 0 : open_node(&r, o, &p->level[level], x, y) & keep;
+            mask =
+                judged && slab_misses(one, f, level + 1, x, y) ? 0 : open_node(&r, &o, &p->level[level], x, y) & keep;
             keep = ~0u;
         }
         while (mask == 0) {
             if (++level == p->levels) return NO_CELL;
-            const int own = ((y & 3) << 2 | (x & 3)) ^ o->flip;
+            const int own = ((y & 3) << 2 | (x & 3)) ^ o.flip;
             x >>= 2;
             y >>= 2;
             if (level > top) {
@@ -220,7 +220,7 @@ static __attribute__((noinline)) one_cell walk_one(const cw_field *f, const one_
         }
         if (mask == 0) continue;
         opened++;
-        const int32_t place = ORDERED ? __builtin_ctz(mask) : nearest(mask, o->q), child = place ^ o->flip;
+        const int32_t place = ORDERED ? __builtin_ctz(mask) : nearest(mask, o.q), child = place ^ o.flip;
         todo[level--] = mask ^ 1u << place;
         x = 4 * x + (child & 3);
         y = 4 * y + (child >> 2);
@@ -239,7 +239,6 @@ static inline bool falls_soon(const cw_field *f, const cw_ray *ray, const one_st
     return true;
 }
 
-/* cw_one1, cw_one4, cw_one8 or cw_one16. */
 void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     for (size_t k = 0; k < n; k++) {
         one_ray one;
@@ -265,7 +264,7 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
             const float *row = f->z + j * f->stride + i;
             const strict_cell c = {
                 .i = i, .j = j, .h00 = row[0], .h10 = row[1], .h01 = row[f->stride], .h11 = row[f->stride + 1]};
-            const ray_start s = one_refined(&one, f, &rays[k]);
+            const ray_start s = start_of_one(&one, f, &rays[k]);
             hits[k] = refine_hit(&s, &c, &at);
         } else { /* not by miss(), which compilers make elsewhere and copy */
             hits[k].t = INFINITY;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One ray made ready for a walk, by the rules of src/scalar/strict.h, operation by operation. Lanes are axes: x, y,
- * height, and a fourth that nobody uses. So one operation does for two or three, where a ray in all lanes
+ * height, and a fourth, unused. So one operation does for two or three, where a ray in all lanes
  * (vector_rays.h) takes one for each.
  *
  * Invariant: the numbers are those of strict_ray_init, bit by bit, but for the walk's range, which strict_slab
@@ -14,12 +14,12 @@
 #include "field.h"
 #include "vocabulary.h"
 
-/* See strict_ray. center and inverse have no height. */
+/* See strict_ray. The height of center and of inverse is unused. */
 typedef struct one_ray {
     quarter org, dir, center, inverse;
     float t0, t1, from;
     quadrant q;
-    bool special; /* left to strict_ray_init */
+    bool special; /* made ready by strict_ray_init */
 } one_ray;
 
 /* Not inlined, so that other rays do not pay for its registers. */
@@ -68,8 +68,8 @@ CW_INLINE bool init_one_ray(one_ray *r, const cw_field *f, const cw_ray *ray) {
     return true;
 }
 
-/* As refine_hit reads it, of a ray that hits. */
-CW_INLINE ray_start one_refined(const one_ray *r, const cw_field *f, const cw_ray *ray) {
+/* The ray as refine_hit reads it; its other members are 0, unless it is special. */
+CW_INLINE ray_start start_of_one(const one_ray *r, const cw_field *f, const cw_ray *ray) {
     ray_start s = {.dir = {ray->dir[0], ray->dir[1], ray->dir[2]},
                    .base = {ray->org[0], ray->org[1], ray->org[2]},
                    .first = max_second(ray->tmin, -RAY_T_LIMIT),

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The packet kernels: W rays in the flat walk until the last one has ended. The build compiles this once
- * for each row of its table. Paper, invariant and a rejected variant are in flat_walk.h. Rejected too: vectors
- * of two registers, from which this walk gains nothing. */
+/* The packet kernels: W rays in the flat walk (flat_walk.h) until the last one has ended. Rejected: vectors of two registers, from
+ * which this walk gains nothing. */
 
 #include "flat_walk.h"
 #include "kernels.h"
 
-#include <math.h>
 #include <string.h>
 
 /* Below SHORT_CELLS cells calls of few rays take less time from cell to cell than over the pyramid, for which rays must be queued. */
@@ -84,13 +82,11 @@ static void CW_CODE(packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n,
 }
 
 #if W < 16 /* see FEW_16 in kernels.c */
-/* cw_short4 or cw_short8. */
 bool CW_CODE(short)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
     return packet_wt(f, rays, n, true, hits, occluded);
 }
 #endif
 
-/* cw_packet4, cw_packet8 or cw_packet16. */
 const cw_kernel_code CW_CODE(packet) = {
     .trace = {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(packet_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(packet_wt_)},
 };

@@ -2,12 +2,8 @@
 /* The pyramid kernels: the choice of a walk for each ray. Tiles of 64 rays are made ready W at a time. A coherent
  * tile shares its walk (shared_walk.h). The walks of other rays end where
  * they climb out of the terrain (climb.h). A few steps of the flat walk finish the short ones (flat_walk.h),
- * and the rest is queued for the lane walk (lane_walk.h). The build compiles this once for each row
- * of its table.
- *
- * Paper: Tevs, Ihrke and Seidel 2008, who walk a pyramid of maxima with four children a node; here a node has
- * sixteen. Invariant: the choice of a walk never changes a hit, since every walk visits each cell that passes the
- * gate. Rejected variants are beside the steps that they would replace. */
+ * and the rest is queued for the lane walk (lane_walk.h). Invariant: the choice of a walk never changes a hit, since every walk
+ * visits each cell that passes the gate. Paper: Tevs, Ihrke and Seidel 2008, with four children a node; here there are sixteen. */
 
 #include "climb.h"
 #include "kernels.h"
@@ -212,5 +208,4 @@ static void CW_CODE(pyramid_wt_)(const cw_field *f, const cw_ray *rays, size_t n
     (n <= CW_FEW_RAYS ? pyramid_few : pyramid_many)(f, rays, n, hits == NULL, hits, occluded);
 }
 
-/* cw_pyramid1, cw_pyramid4, cw_pyramid8 or cw_pyramid16. */
 const cw_kernel_code CW_CODE(pyramid) = {.trace = {[CW_LEAF_WATERTIGHT] = CW_CODE(pyramid_wt_)}};

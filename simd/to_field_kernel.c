@@ -15,7 +15,6 @@ static inline floats combine(const doubles column[3], const double v[3], double 
     return __builtin_convertvector(__builtin_shufflevector(sum, end, 0, 1, 2, 7), floats);
 }
 
-/* cw_to_field1, cw_to_field4, cw_to_field8 or cw_to_field16. */
 void CW_CODE(to_field)(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out) {
     const doubles column[3] = {
         {m[0][0], m[1][0], m[2][0], 0}, {m[0][1], m[1][1], m[2][1], 0}, {m[0][2], m[1][2], m[2][2], 0}};

@@ -36,11 +36,11 @@ static inline vmask mt_triangle(const vfloat d[3], const vfloat o[3], bool e1y, 
 /* Lanes among which the cell is hit, at a t of the cell's stretch and heights or slightly beyond: mt_find of
  * src/scalar/cell.c. */
 CW_INLINE vmask mt_cell(const vray *r, const vcell *c, vmask among, vfind *find) {
-    const vfloat room = vf_set(0x1p-20f);
+    const vfloat room = vf_set(0x1p-20f), low = above_origin(r, cell_low(c)), high = above_origin(r, cell_high(c));
     const vrange range = {vf_max(vf_sub(c->t0, vf_mul(room, vf_abs(c->t0))), r->t0),
                           vf_min(vf_add(c->t1, vf_mul(room, vf_abs(c->t1))), r->t1),
-                          room_below(above_origin(r, cell_low(c)), r->dz, STRICT_ROOM),
-                          room_above(above_origin(r, cell_high(c)), r->dz, STRICT_ROOM)};
+                          vf_sub(low, make_room(low, r->dz, STRICT_ROOM)),
+                          vf_add(high, make_room(high, r->dz, STRICT_ROOM))};
     const vfloat o[3] = {vf_sub(r->x.org, c->i), vf_sub(r->y.org, c->j), vf_sub(r->oz, c->h00)};
     const vfloat d[3] = {r->x.dir, r->y.dir, r->dz};
     const vfloat across = vf_sub(c->h11, c->h00);

@@ -97,15 +97,10 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
     return hopeful;
 }
 
-/* A direction component whose reciprocal overflows counts as zero. */
-static inline vfloat direction(vfloat d) { return vf_select(vf_gt(vf_abs(d), vf_set(0x1p-128f)), d, vf_set(0)); }
-
 /* Moves those rays among alive that are far away; returns those that may hit. If any is moved, *moved is set as a whole, and
  * of *s only moved, origins and ends. So *s stays in registers: its address is not taken, and directions do not change. */
 CW_INLINE vmask move_if_far(vstart *s, const cw_field *f, vmask alive, vstart *moved) {
     const vmask far = vm_and(alive, is_far(f, s->org));
-    s->shift = vd_set(0);
-    s->moved = false;
     if (!vm_any(far)) return alive;
     for (int c = 0; c < 3; c++) {
         moved->org[c] = s->org[c];
@@ -142,7 +137,7 @@ CW_INLINE vmask start_rays(vstart *s, const cw_field *f, const vfloat c[8], vsta
     const vfloat poison = vf_add(vf_add(vf_mul(c[0], zero), vf_mul(c[1], zero)), vf_mul(c[2], zero));
     vmask alive = vm_and(vf_eq(poison, zero), vf_le(c[3], c[7])), stands = vm_set(true);
     for (int k = 0; k < 3; k++) {
-        s->dir[k] = direction(c[4 + k]);
+        s->dir[k] = vf_select(vf_gt(vf_abs(c[4 + k]), least), c[4 + k], zero); /* if its reciprocal overflows, zero */
         stands = vm_and(stands, vf_eq(s->dir[k], zero));
         alive = vm_and(alive, vf_le(vf_abs(c[4 + k]), most));
     }
@@ -156,16 +151,10 @@ static inline const cw_ray *fill_up(const cw_ray *rays, size_t n, size_t size, c
     return copy;
 }
 
-/* strict_room_below and strict_room_above. */
+/* strict_room. */
 static inline vfloat make_room(vfloat height, vfloat dz, float room) {
     const vfloat least = vf_mul(vf_set(FLT_MIN), vf_add(vf_set(1), vf_abs(dz)));
     return vf_mul(vf_set(room), vf_add(vf_abs(height), least));
-}
-static inline vfloat room_below(vfloat height, vfloat dz, float room) {
-    return vf_sub(height, make_room(height, dz, room));
-}
-static inline vfloat room_above(vfloat height, vfloat dz, float room) {
-    return vf_add(height, make_room(height, dz, room));
 }
 
 /* Lanes that can be within the field on this axis. */
@@ -194,8 +183,8 @@ static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples, 
 CW_INLINE vfloat make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
     vfloat low = above_origin(r, vf_set(f->low)), high = above_origin(r, vf_set(f->high));
     if (leaf == CW_LEAF_MOLLER_TRUMBORE) {
-        low = room_below(low, r->dz, 2 * STRICT_ROOM);
-        high = room_above(high, r->dz, 2 * STRICT_ROOM);
+        low = vf_sub(low, make_room(low, r->dz, 2 * STRICT_ROOM));
+        high = vf_add(high, make_room(high, r->dz, 2 * STRICT_ROOM));
     }
     const vfloat u8 = vf_set(8 * (FLT_EPSILON / 2)), one = vf_set(1), inverse = vf_div(one, r->dz);
     const vfloat least = vf_mul(vf_set(FLT_MIN), vf_add(one, vf_abs(inverse)));

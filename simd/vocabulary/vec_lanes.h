@@ -5,12 +5,27 @@
 #define CELLWALK_SIMD_VEC_LANES_H
 
 #include "cellwalk.h"
-#include "inline.h"
 
 #include <stddef.h>
 
 #if !defined(__clang__) && __GNUC__ < 12
 #error "the kernels need GCC 12 or newer, or Clang"
+#endif
+
+/* Registers of a vector: 1, or 2 if the file that includes the vocabulary has defined it so. */
+#ifndef REGISTERS
+#define REGISTERS 1
+#endif
+
+/* For bodies that take constant arguments (leaf test, kind of query) or a ray by pointer: unless it is inlined, a compiler
+ * keeps the choice at run time and writes the ray's twenty vectors to the stack for the call. */
+#define CW_INLINE static inline __attribute__((always_inline))
+
+/* For bodies of which one copy serves all callers, whatever constants they pass. */
+#ifdef __clang__
+#define CW_ONE_COPY __attribute__((noinline))
+#else
+#define CW_ONE_COPY __attribute__((noipa))
 #endif
 
 #if W == 1
@@ -54,7 +69,7 @@ typedef float quarter __attribute__((vector_size(16)));
 typedef float quarter_memory __attribute__((vector_size(16), aligned(4), may_alias));
 static inline quarter load_quarter(const float *from) { return *(const quarter_memory *)from; }
 
-/* One of its floats; GCC would take it through memory. */
+/* Float k of a quarter; GCC compiles a[k] through memory. */
 #define QUARTER_FLOAT(a, k) (__builtin_shufflevector(a, a, k, k, k, k)[0])
 
 /* A number in all lanes. Compilers leave the difference out, which keeps -0. */
@@ -136,8 +151,13 @@ static inline float_reg rf_lookup(const float table[16], int_reg k) {
 }
 
 /* The register put together from its quarters. */
+#if W == 4
+static inline float_reg of_quarters(const quarter q[1]) { return (float_reg){q[0]}; }
+static inline quarter quarter_of(float_reg a, int h) { return (void)h, a.v; }
+#else
 static inline float_reg of_quarters(const quarter q[W / 4]);
 static inline quarter quarter_of(float_reg a, int h);
+#endif
 
 /* In each quarter four of its lanes, 0 to 3 of a and 4 to 7 of b. */
 #define LANE(q, k)              ((k) < 4 ? 4 * (q) + (k) : W + 4 * (q) + (k)-4)

@@ -34,9 +34,6 @@ static inline int_reg ri_lookup(const table_entry table[16], int_reg k) {
 static inline bool rm_any(mask_reg a) { return vget_lane_u64(vreinterpret_u64_u16(vmovn_u32(a.v)), 0) != 0; }
 static inline unsigned rm_bits(mask_reg a) { return vaddvq_u32(vandq_u32(a.v, (uint32x4_t){1, 2, 4, 8})); }
 
-static inline float_reg of_quarters(const quarter q[1]) { return (float_reg){q[0]}; }
-static inline quarter quarter_of(float_reg a, int h) { return (void)h, a.v; }
-
 static inline double_reg rd_from_rf(float_reg a, int k) {
     return (double_reg){k == 0 ? vcvt_f64_f32(vget_low_f32(a.v)) : vcvt_high_f64_f32(a.v)};
 }

@@ -30,9 +30,8 @@ static inline float_reg rf_from_ri(int_reg a) { return (float_reg){(float)(int32
 static inline float_reg rf_lookup(const float table[16], int_reg k) { return rf_set(table[k.v]); }
 static inline int_reg ri_lookup(const int32_t table[16], int_reg k) { return ri_set(table[k.v]); }
 static inline int_reg ri_where(mask_reg m, int_reg a) { return (int_reg){m.v ? a.v : 0}; }
-static inline float_reg rf_flip(float_reg a, float_reg sign) {
-    return (float_reg){signbit(sign.v) ? -a.v : a.v};
-} /* sign: 0 or -0 */
+/* sign: 0 or -0 */
+static inline float_reg rf_flip(float_reg a, float_reg sign) { return (float_reg){signbit(sign.v) ? -a.v : a.v}; }
 static inline float_reg rf_power_of_2(int_reg k) { /* k in [-126, 127] */
     const union {
         uint32_t bits;
@@ -90,9 +89,8 @@ CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
  * floats, in order. These are the lanes of register k. */
 static inline double_reg rd_from_rf(float_reg a, int k) { return (void)k, (double_reg){(double)a.v}; }
 static inline float_reg rf_from_rd(double_reg a) { return (float_reg){(float)a.v}; } /* to nearest */
-static inline double_reg rd_min(double_reg a, double_reg b) {
-    return (double_reg){a.v < b.v ? a.v : b.v};
-} /* as rf_min */
+/* As rf_min and rf_max. */
+static inline double_reg rd_min(double_reg a, double_reg b) { return (double_reg){a.v < b.v ? a.v : b.v}; }
 static inline double_reg rd_max(double_reg a, double_reg b) { return (double_reg){a.v > b.v ? a.v : b.v}; }
 /* Where the lanes of register k in m are set, a, else b. */
 static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b) { return (void)k, m.v ? a : b; }

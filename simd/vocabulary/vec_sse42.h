@@ -21,8 +21,6 @@ static inline int_reg ri_lookup(const table_entry table[16], int_reg k) {
     return (int_reg){(int_lanes)entry};
 }
 
-static inline float_reg of_quarters(const quarter q[1]) { return (float_reg){q[0]}; }
-static inline quarter quarter_of(float_reg a, int h) { return (void)h, a.v; }
 static inline __m128 half_of(float_reg a, int k) { return k == 0 ? (__m128)a.v : _mm_movehl_ps(a.v, a.v); }
 static inline float_reg of_halves(__m128 low, __m128 high) { return (float_reg){_mm_movelh_ps(low, high)}; }
 

@@ -12,8 +12,6 @@
 #ifndef CELLWALK_SIMD_VOCABULARY_H
 #define CELLWALK_SIMD_VOCABULARY_H
 
-#include "inline.h"
-
 #include CELLWALK_VOCABULARY
 
 #include <string.h>

@@ -39,8 +39,7 @@ typedef struct door {
     uint64_t came, ended; /* updates that wait: how many came, and how many of them have ended */
 } door;
 
-enum { DOOR_OPEN = 0 };
-typedef enum door_shut { DOOR_REFUSES = 1, DOOR_WAITS } door_shut;
+typedef enum door_shut { DOOR_OPEN, DOOR_REFUSES, DOOR_WAITS } door_shut;
 
 /* The state that a query passes back when it leaves. */
 typedef struct door_pass {

@@ -104,7 +104,7 @@ static __attribute__((noinline)) cw_status query_all(const cw_field *field, cons
 
 /* The default kernel; looking for it takes some of the time of one ray. */
 static inline const cw_kernel *default_kernel(void) {
-    static const cw_kernel *_Atomic found[CW_ISA_COUNT]; /* none for CW_ISA_ANY */
+    static const cw_kernel *_Atomic found[CW_ISA_COUNT]; /* that of CW_ISA_ANY stays NULL */
     const cw_kernel *kernel =
         atomic_load_explicit(&found[atomic_load_explicit(&cw_isa_in_use, memory_order_relaxed)], memory_order_relaxed);
     if (kernel == NULL) {

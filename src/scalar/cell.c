@@ -30,11 +30,10 @@ static size_t first_cell(const strict_axis *a, float t, size_t cells) {
  * are limited to the cell's stretch and heights, with a little room for their rounding. Then a walk that skips a
  * cell because the ray is clear of it skips no hit. */
 static inline bool mt_find(const strict_ray *r, const strict_cell *c, strict_find *find) {
-    const float room = 0x1p-20f;
+    const float room = 0x1p-20f, low = strict_low(c) - r->oz, high = strict_high(c) - r->oz;
     const mt_range range = {max_second(c->t0 - room * fabsf(c->t0), r->t0),
-                            min_second(c->t1 + room * fabsf(c->t1), r->t1),
-                            strict_room_below(strict_low(c) - r->oz, r->dz, STRICT_ROOM),
-                            strict_room_above(strict_high(c) - r->oz, r->dz, STRICT_ROOM)};
+                            min_second(c->t1 + room * fabsf(c->t1), r->t1), low - strict_room(low, r->dz, STRICT_ROOM),
+                            high + strict_room(high, r->dz, STRICT_ROOM)};
     cw_hit hit = {.t = 0};
     if (!mt_cell(r->start.org, r->start.dir, &range, c->i, c->j, c->h00, c->h10, c->h01, c->h11, &hit)) return false;
     *find = (strict_find){hit.t, hit.t, hit.triangle == CW_TRIANGLE_B};

@@ -6,15 +6,10 @@
 
 #include "cellwalk.h"
 
-#include <math.h>
-
 /* Limits of a hit: its t, and its height relative to the ray's origin. */
 typedef struct mt_range {
     float tmin, tmax, low, high;
 } mt_range;
-
-/* Any height. */
-static inline mt_range mt_between(float tmin, float tmax) { return (mt_range){tmin, tmax, -INFINITY, INFINITY}; }
 
 /* Ray against one triangle of a cell, relative to the cell's sample (i, j): o = org - (i, j, h00), edges e1 = (1,
  * e1y, e1z) and e2 = (e2x, 1, e2z), where e1y and e2x are 0 or 1 (constants to the compiler). Products with 0 are

@@ -81,15 +81,9 @@ static inline bool strict_axis_init(strict_axis *a, float org, float dir, size_t
  * is added. A walk that is cut off by heights has twice as much room, so no hit lies beyond the end of a walk. */
 #define STRICT_ROOM 0x1p-19f
 
-/* A height above the ray's origin, lowered or raised by some room. */
+/* Room for a height above the ray's origin. */
 static inline float strict_room(float height, float dz, float room) {
     return room * (fabsf(height) + FLT_MIN * (1 + fabsf(dz)));
-}
-static inline float strict_room_below(float height, float dz, float room) {
-    return height - strict_room(height, dz, room);
-}
-static inline float strict_room_above(float height, float dz, float room) {
-    return height + strict_room(height, dz, room);
 }
 
 /* Sets [from, until] to the part of [t0, t1] in which the ray is between the field's lowest and highest sample;
@@ -103,8 +97,8 @@ static inline void strict_slab(strict_ray *r, const cw_field *f, cw_leaf leaf) {
     const bool up = r->dz > 0;
     float low = f->low - r->oz, high = f->high - r->oz;
     if (leaf == CW_LEAF_MOLLER_TRUMBORE) {
-        low = strict_room_below(low, r->dz, 2 * STRICT_ROOM);
-        high = strict_room_above(high, r->dz, 2 * STRICT_ROOM);
+        low -= strict_room(low, r->dz, 2 * STRICT_ROOM);
+        high += strict_room(high, r->dz, 2 * STRICT_ROOM);
     }
     const float enter = up ? low : high, leave = up ? high : low;
     const float a = enter * inverse, b = leave * inverse;

@@ -79,8 +79,8 @@ atomic_int cw_isa_in_use = CW_ISA_ANY;
 cw_isa cw_isa_best(void) {
     int isa = atomic_load_explicit(&cw_isa_in_use, memory_order_relaxed);
     if (isa != CW_ISA_ANY) return (cw_isa)isa;
-    const cw_isa first = widest();
-    return atomic_compare_exchange_strong(&cw_isa_in_use, &isa, (int)first) ? first : (cw_isa)isa; /* or a limit's */
+    const cw_isa first = widest(); /* unless a limit is set meanwhile */
+    return atomic_compare_exchange_strong(&cw_isa_in_use, &isa, (int)first) ? first : (cw_isa)isa;
 }
 
 void cw_isa_limit(cw_isa isa) { atomic_store(&cw_isa_in_use, (int)cw_isa_common(widest(), isa)); }

@@ -36,7 +36,7 @@ static inline bool trace_brute(const cw_field *f, const cw_ray *given, bool any,
     for (size_t j = 0; j + 1 < f->ny; j++) {
         for (size_t i = 0; i + 1 < f->nx; i++) {
             const float *h = f->z + j * f->stride + i;
-            const mt_range range = mt_between(ray.tmin, ray.tmax);
+            const mt_range range = {ray.tmin, ray.tmax, -INFINITY, INFINITY};
             cw_hit hit;
             if (!mt_cell(ray.org, ray.dir, &range, i, j, h[0], h[1], h[f->stride], h[f->stride + 1], &hit)) continue;
             if (found && !(hit.t < best->t)) continue;
@@ -224,7 +224,7 @@ static bool enter_grid(const struct cw_grid3d *g, const ray_start *ray, grid_wal
 static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const ray_start *ray, const grid_walk *w,
                        cw_hit *best) {
     const size_t v = voxel_number(g, w->voxel);
-    const mt_range range = mt_between(w->tmin, w->tmax);
+    const mt_range range = {w->tmin, w->tmax, -INFINITY, INFINITY};
     bool found = false;
     for (uint32_t k = g->begin[v]; k < g->begin[v + 1]; k++) {
         const size_t number = g->entry[k] >> TRIANGLE_BITS, i = number % f->nx, j = number / f->nx;
@@ -284,8 +284,7 @@ static const cw_kernel_code grid3d = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trac
 
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, &brute, cw_to_field1,
-     NULL, {NULL, NULL}, NULL, NULL},
+    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, &brute, cw_to_field1, NULL, {NULL, NULL}, NULL, NULL},
     {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, &grid3d, cw_to_field1,
      NULL, {NULL, NULL}, NULL, build_grid3d},
 };
