@@ -22,7 +22,7 @@ typedef struct one_ray {
     bool special; /* made ready by strict_ray_init */
 } one_ray;
 
-/* Not inlined, so that other rays do not pay for its registers. */
+/* Not inlined, so that other rays do not pay for its registers. The walk's range is not cut, as for them. */
 static __attribute__((noinline)) bool init_special(one_ray *r, const cw_field *f, const cw_ray *ray) {
     strict_ray s;
     if (!strict_ray_init(&s, f, ray, CW_LEAF_WATERTIGHT)) return false;

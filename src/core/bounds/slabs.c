@@ -63,6 +63,7 @@ void cw_pyramid_node_slab(const cw_field *f, struct cw_pyramid *p, int level, si
     if (!(low <= high)) return; /* nothing but holes */
 
     const double m = (double)owned(x * side, side, f->nx), n = (double)owned(y * side, side, f->ny);
+    /* By the sums of squares of tile.c. */
     const float slope_x = (float)((sum->xz - 0.5 * (m - 1) * sum->z) * 12 / (m * (m * m - 1) * n));
     const float slope_y = (float)((sum->yz - 0.5 * (n - 1) * sum->z) * 12 / (n * (n * n - 1) * m));
     if (!(fabsf(slope_x) + fabsf(slope_y) <= FLT_MAX) || (slope_x == 0 && slope_y == 0)) {
