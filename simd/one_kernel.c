@@ -40,97 +40,99 @@ enum { NO_CELL = -1 };
 /* With 16 lanes one instruction puts a node's bounds in walk order. With fewer, the mask is put in walk order. */
 enum { ORDERED = W == CHILDREN };
 
-/* The borders where a ray enters and leaves children, in sides of a child. */
+/* The borders where a ray of one quadrant enters and leaves children, in sides of a child. */
 typedef struct child_borders {
-    vfloat in_x, in_y, out_x, out_y;
+    float in_x[CHILDREN], in_y[CHILDREN], out_x[CHILDREN], out_y[CHILDREN];
 } child_borders;
 
-/* Those of lanes k W and on, in the children's own order. */
-CW_INLINE child_borders borders_of(quadrant q, size_t k) {
-    const size_t column = k * COLUMNS_STEP, row = k * W;
-    return (child_borders){vf_load(lane_x[!q.up_x] + column), vf_load(lane_y[!q.up_y] + row),
-                           vf_load(lane_x[q.up_x] + column), vf_load(lane_y[q.up_y] + row)};
-}
-
-/* Bit k of a mask is child k XOR flip. If ORDERED, rows too are numbered from where the ray enters, so the nearest child is the lowest
- * bit; lane k is that child, and borders are the lanes'. */
+/* in_place: lanes are children. on_way: lane k is child[k], rows too being numbered from where the ray enters, so that the nearest of
+ * some is the lowest bit of their mask. Rejected: to compute it, a tenth of the instructions of a ray that meets nothing. */
 typedef struct walk_order {
-    quadrant q;
-    int flip;
-    vint child;
-    child_borders borders;
+    child_borders in_place, on_way;
+    int32_t child[CHILDREN];
 } walk_order;
 
-CW_INLINE walk_order order_of(quadrant q) {
-    static const int32_t number[CHILDREN] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    static const float in_x[2][CHILDREN] = {{4, 3, 2, 1, 4, 3, 2, 1, 4, 3, 2, 1, 4, 3, 2, 1},
-                                            {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3}};
-    static const float in_y[2][CHILDREN] = {{4, 4, 4, 4, 3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1},
-                                            {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3}};
-    walk_order o = {.q = q, .flip = ORDERED ? 15 - 3 * q.up_x - 12 * q.up_y : turn(q)};
-    if (!ORDERED) return o;
-    const vfloat x = vf_load(in_x[q.up_x]), y = vf_load(in_y[q.up_y]);
-    const vfloat step_x = vf_set((float)(2 * q.up_x - 1)), step_y = vf_set((float)(2 * q.up_y - 1));
-    o.child = vi_xor(vi_load(number), vi_set(o.flip));
-    o.borders = (child_borders){x, y, vf_add(x, step_x), vf_add(y, step_y)};
-    return o;
-}
+#define COLUMNS(a, b, c, d)                                                                                            \
+    { a, b, c, d, a, b, c, d, a, b, c, d, a, b, c, d }
+#define ROWS(a, b, c, d)                                                                                               \
+    { a, a, a, a, b, b, b, b, c, c, c, c, d, d, d, d }
+static const walk_order orders[4] = {
+    {{COLUMNS(1, 2, 3, 4), ROWS(1, 2, 3, 4), COLUMNS(0, 1, 2, 3), ROWS(0, 1, 2, 3)},
+     {COLUMNS(4, 3, 2, 1), ROWS(4, 3, 2, 1), COLUMNS(3, 2, 1, 0), ROWS(3, 2, 1, 0)},
+     {15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0}},
+    {{COLUMNS(0, 1, 2, 3), ROWS(1, 2, 3, 4), COLUMNS(1, 2, 3, 4), ROWS(0, 1, 2, 3)},
+     {COLUMNS(0, 1, 2, 3), ROWS(4, 3, 2, 1), COLUMNS(1, 2, 3, 4), ROWS(3, 2, 1, 0)},
+     {12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3}},
+    {{COLUMNS(1, 2, 3, 4), ROWS(0, 1, 2, 3), COLUMNS(0, 1, 2, 3), ROWS(1, 2, 3, 4)},
+     {COLUMNS(4, 3, 2, 1), ROWS(0, 1, 2, 3), COLUMNS(3, 2, 1, 0), ROWS(1, 2, 3, 4)},
+     {3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12}},
+    {{COLUMNS(0, 1, 2, 3), ROWS(0, 1, 2, 3), COLUMNS(1, 2, 3, 4), ROWS(1, 2, 3, 4)},
+     {COLUMNS(0, 1, 2, 3), ROWS(0, 1, 2, 3), COLUMNS(1, 2, 3, 4), ROWS(1, 2, 3, 4)},
+     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}},
+};
 
-/* Crossings with the borders of some children of node (x, y), which have that side. Borders are whole numbers, which nothing
- * rounds. */
-CW_INLINE void cross_children(const vray *r, const child_borders *b, int32_t x, int32_t y, float side, vcell *c) {
-    const vfloat s = vf_set(side), low_x = vf_set((float)(4 * x) * side), low_y = vf_set((float)(4 * y) * side);
-    c->x_in = crossing(&r->x, vf_add(low_x, vf_mul(b->in_x, s)));
-    c->y_in = crossing(&r->y, vf_add(low_y, vf_mul(b->in_y, s)));
-    c->x_out = crossing(&r->x, vf_add(low_x, vf_mul(b->out_x, s)));
-    c->y_out = crossing(&r->y, vf_add(low_y, vf_mul(b->out_y, s)));
+/* Crossings with the borders of lanes k and on, of node (x, y), whose children have that side. Borders are whole numbers, which
+ * nothing rounds. */
+CW_INLINE void cross_children(const vray *r, const child_borders *b, size_t k, ptrdiff_t x, ptrdiff_t y, float side,
+                              vcell *c) {
+    const vfloat s = vf_set(side), low_x = vf_set((float)(int32_t)(4 * x)), low_y = vf_set((float)(int32_t)(4 * y));
+    const size_t column = W < 4 ? k : 0; /* columns are the same in each row, so vectors of whole rows share them */
+    c->x_in = vf_mul(vf_mul_sub(vf_add(low_x, vf_load(b->in_x + column)), s, r->x.center), r->x.inverse);
+    c->y_in = vf_mul(vf_mul_sub(vf_add(low_y, vf_load(b->in_y + k)), s, r->y.center), r->y.inverse);
+    c->x_out = vf_mul(vf_mul_sub(vf_add(low_x, vf_load(b->out_x + column)), s, r->x.center), r->x.inverse);
+    c->y_out = vf_mul(vf_mul_sub(vf_add(low_y, vf_load(b->out_y + k)), s, r->y.center), r->y.inverse);
 }
 
 /* The children of node (x, y) that the ray meets, in walk order. */
-CW_INLINE unsigned open_node(const vray *r, const walk_order *o, const cw_pyramid_level *l, int32_t x, int32_t y) {
-    const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
+CW_INLINE unsigned open_node(const vray *r, quadrant q, const walk_order *o, const cw_pyramid_level *l, ptrdiff_t x,
+                             ptrdiff_t y) {
+    const float *brick = l->bricks + (y * l->across + x) * BRICK_FLOATS;
     unsigned mask = 0;
-    for (size_t k = 0; k < CHILD_VECTORS; k++) {
+    for (size_t k = 0; k < CHILDREN; k += W) {
         vcell c;
-        const child_borders b = ORDERED ? o->borders : borders_of(o->q, k);
-        cross_children(r, &b, x, y, l->side, &c);
+        cross_children(r, ORDERED ? &o->on_way : &o->in_place, k, x, y, l->side, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
         const vfloat z0 = vf_mul(t0, r->dz), z1 = vf_mul(t1, r->dz);
-        const float *lows = brick + k * W, *highs = lows + CHILDREN;
-        const vfloat low = above_origin(r, ORDERED ? vf_lookup(lows, o->child) : vf_load(lows));
-        const vfloat high = above_origin(r, ORDERED ? vf_lookup(highs, o->child) : vf_load(highs));
+        const float *lows = brick + k, *highs = lows + CHILDREN;
+        const vint child = vi_load(o->child);
+        const vfloat low = above_origin(r, ORDERED ? vf_lookup(lows, child) : vf_load(lows));
+        const vfloat high = above_origin(r, ORDERED ? vf_lookup(highs, child) : vf_load(highs));
         /* meets, whose second comparison would wait for the first */
         const vmask here = vm_and(vf_le(t0, t1), vf_ge(vf_max(z0, z1), low));
-        mask |= (vm_bits(here) & vm_bits(vf_le(vf_min(z0, z1), high))) << (k * W);
+        mask |= (vm_bits(here) & vm_bits(vf_le(vf_min(z0, z1), high))) << k;
     }
-    return ORDERED ? mask : in_walk_order(mask, o->q);
+    return ORDERED ? mask : in_walk_order(mask, q);
 }
 
 /* Tests the cells of block (x, y). Lanes stay in the cells' own order: only a hit needs a mask in walk order. */
-static inline one_cell test_block(const vray *r, quadrant q, const cw_field *f, int32_t x, int32_t y,
-                                  strict_find *found) {
+CW_INLINE one_cell test_block(const one_ray *one, const vray *r, quadrant q, const walk_order *o, const cw_field *f,
+                              ptrdiff_t x, ptrdiff_t y, strict_find *found) {
     block_samples s;
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     const ptrdiff_t step = (ptrdiff_t)s.stride;
-    for (size_t n = 0; n < CHILD_VECTORS; n++) {
-        size_t k = q.up_y ? n : CHILD_VECTORS - 1 - n; /* front to back */
+    for (size_t n = 0; n < CHILDREN; n += W) {
+        size_t k = q.up_y ? n : CHILDREN - W - n; /* front to back */
         if (W == 1) k ^= (size_t)turn(q);
         vcell c;
-        const child_borders b = borders_of(q, k);
-        cross_children(r, &b, x, y, 1, &c);
+        cross_children(r, &o->in_place, k, x, y, 1, &c);
         clip_cell(&c, r);
-        c.h00 = vf_load_block(s.z, step, k);
-        c.h10 = vf_load_block(s.z + 1, step, k);
-        c.h01 = vf_load_block(s.z + step, step, k);
-        c.h11 = vf_load_block(s.z + step + 1, step, k);
+        c.h00 = vf_load_block(s.z, step, k / W);
+        c.h10 = vf_load_block(s.z + 1, step, k / W);
+        c.h01 = vf_load_block(s.z + step, step, k / W);
+        c.h11 = vf_load_block(s.z + step + 1, step, k / W);
         const vmask gate = cell_gate(r, &c);
         if (!vm_any(gate)) continue;
-        c.i = vf_add(vf_set((float)(4 * x)), vf_load(lane_x[0] + k * COLUMNS_STEP));
-        c.j = vf_add(vf_set((float)(4 * y)), vf_load(lane_y[0] + k * W));
+        c.i = vf_add(vf_set((float)(int32_t)(4 * x)), vf_load(lane_x[0] + (W < 4 ? k : 0)));
+        c.j = vf_add(vf_set((float)(int32_t)(4 * y)), vf_load(lane_y[0] + k));
         vfind find;
-        const unsigned hits = vm_bits(wt_cell_in(r, &c, gate, &find));
+        vray whole = *r; /* with what nodes do not read; made before the walk, that would be stored */
+        __asm__("" : "+r"(one));
+        whole.x.up = vm_set(q.up_x), whole.y.up = vm_set(q.up_y);
+        whole.x.org = vf_set(one->org[0]), whole.x.dir = vf_set(one->dir[0]);
+        whole.y.org = vf_set(one->org[1]), whole.y.dir = vf_set(one->dir[1]);
+        const unsigned hits = vm_bits(wt_cell_in(&whole, &c, gate, &find));
         if (hits == 0) continue;
-        const int lane = nearest(in_walk_order(hits, q), q) ^ turn(q), place = lane + (int)k * W;
+        const int lane = nearest(in_walk_order(hits, q), q) ^ turn(q), place = lane + (int)k;
         found->t0 = vf_lane(&find.t0, (unsigned)lane);
         found->t1 = vf_lane(&find.t1, (unsigned)lane);
         found->b = vm_bits(find.b) >> lane & 1;
@@ -149,7 +151,7 @@ static __attribute__((noinline)) bool slab_misses(const one_ray *r, const cw_fie
     const float *bounds = cw_pyramid_node(&p->level[level], (size_t)x, (size_t)y);
     if (!(s->low <= s->high)) return true;
     const int32_t corner[2] = {x * side, y * side};
-    const bool up[2] = {r->q.up_x, r->q.up_y};
+    const bool up[2] = {r->up & 1, r->up >> 1};
     float t0 = r->from, t1 = r->t1;
     for (int c = 0; c < 2; c++) {
         const float enter = (float)(corner[c] + (up[c] ? 0 : side)), leave = (float)(corner[c] + (up[c] ? side : 0));
@@ -176,39 +178,42 @@ static __attribute__((noinline)) bool slab_misses(const one_ray *r, const cw_fie
     return min_second_d(d0, d1) > high + pad || max_second_d(d0, d1) < low - pad;
 }
 
-/* From start on, or from the top if that is NULL. late: with slabs from the first node on. The last seven are members of one, in
- * registers: loads would wait for their stores. */
+/* From start on, or from the top if that is NULL. opened: how many nodes count as opened before. up and the last seven are members of one,
+ * in registers: loads would wait for their stores. */
 static __attribute__((noinline)) one_cell walk_one(const cw_field *f, const one_ray *one, const one_start *start,
-                                                   bool late, strict_find *found, quarter org, quarter dir,
-                                                   quarter center, quarter inverse, float t0, float t1, float from) {
+                                                   unsigned up, int opened, strict_find *found, quarter org,
+                                                   quarter dir, quarter center, quarter inverse, float t0, float t1,
+                                                   float from) {
     const struct cw_pyramid *p = f->pyramid;
-    const walk_order o = order_of(one->q);
+    const quadrant q = {up & 1, up >> 1};
+    const walk_order *o = &orders[up];
+    const int flip = ORDERED ? o->child[0] : turn(q);
     vray r;
-    r.x.org = vf_set(org[0]), r.x.dir = vf_set(dir[0]), r.x.up = vm_set(o.q.up_x);
-    r.y.org = vf_set(QUARTER_FLOAT(org, 1)), r.y.dir = vf_set(QUARTER_FLOAT(dir, 1)), r.y.up = vm_set(o.q.up_y);
     r.x.center = vf_set(center[0]), r.x.inverse = vf_set(inverse[0]);
     r.y.center = vf_set(QUARTER_FLOAT(center, 1)), r.y.inverse = vf_set(QUARTER_FLOAT(inverse, 1));
     r.oz = vf_set(QUARTER_FLOAT(org, 2)), r.dz = vf_set(QUARTER_FLOAT(dir, 2));
     r.t0 = vf_set(t0), r.t1 = r.until = vf_set(t1), r.from = vf_set(from);
     unsigned mask = 0, keep = ~0u, todo[PYRAMID_LEVELS_MAX];
-    int level = p->levels - 1, opened = late ? OPENS : 0; /* level -1: cells */
-    int32_t x = 0, y = 0;
+    ptrdiff_t level = p->levels - 1; /* level -1: cells */
+    ptrdiff_t x = 0, y = 0;
     if (start) level = -1, x = start->i >> 2, y = start->j >> 2;
-    int top = level;
+    ptrdiff_t top = level;
     for (;;) {
+        __asm__("" : "+r"(o)); /* else compilers load its tables before the walk, to store them again */
         if (level < 0) {
-            const one_cell cell = test_block(&r, o.q, f, x, y, found);
+            const one_cell cell = test_block(one, &r, q, o, f, x, y, found);
             if (cell != NO_CELL) return cell;
             mask = 0;
         } else {
             const bool judged = __builtin_expect(opened >= OPENS, 0) && level + 1 < p->levels;
-            mask =
-                judged && slab_misses(one, f, level + 1, x, y) ? 0 : open_node(&r, &o, &p->level[level], x, y) & keep;
+            mask = judged && slab_misses(one, f, (int)level + 1, (int32_t)x, (int32_t)y)
+                       ? 0
+                       : open_node(&r, q, o, &p->level[level], x, y) & keep;
             keep = ~0u;
         }
         while (mask == 0) {
             if (++level == p->levels) return NO_CELL;
-            const int own = ((y & 3) << 2 | (x & 3)) ^ o.flip;
+            const int own = (int)((y & 3) << 2 | (x & 3)) ^ flip;
             x >>= 2;
             y >>= 2;
             if (level > top) {
@@ -220,7 +225,7 @@ static __attribute__((noinline)) one_cell walk_one(const cw_field *f, const one_
         }
         if (mask == 0) continue;
         opened++;
-        const int32_t place = ORDERED ? __builtin_ctz(mask) : nearest(mask, o.q), child = place ^ o.flip;
+        const int32_t place = ORDERED ? __builtin_ctz(mask) : nearest(mask, q), child = place ^ flip;
         todo[level--] = mask ^ 1u << place;
         x = 4 * x + (child & 3);
         y = 4 * y + (child >> 2);
@@ -243,18 +248,18 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
     for (size_t k = 0; k < n; k++) {
         one_ray one;
         strict_find at;
-        cw_hit *const hit = hits ? &hits[k] : NULL;
-        uint8_t *const blocked = hits ? NULL : &occluded[k];
         one_start start;
         const bool inside = starts_inside(f, &rays[k], &start);
-        if (inside && falls_soon(f, &rays[k], &start) && cw_cell_few(f, &rays[k], SOON_CELLS, hit, blocked)) continue;
+        if (inside && falls_soon(f, &rays[k], &start) &&
+            cw_cell_few(f, &rays[k], SOON_CELLS, hits ? &hits[k] : NULL, hits ? NULL : &occluded[k]))
+            continue;
         if (W == 1) { /* faster in plain C */
-            cw_pyramid1.trace[CW_LEAF_WATERTIGHT](f, &rays[k], 1, hit, blocked);
+            cw_pyramid1.trace[CW_LEAF_WATERTIGHT](f, &rays[k], 1, hits ? &hits[k] : NULL, hits ? NULL : &occluded[k]);
             continue;
         }
         const bool low = inside && fabsf(start.height) <= LOW_HEIGHT;
         const one_cell cell = init_one_ray(&one, f, &rays[k])
-                                  ? walk_one(f, &one, low ? &start : NULL, false, &at, one.org, one.dir, one.center,
+                                  ? walk_one(f, &one, low ? &start : NULL, one.up, 0, &at, one.org, one.dir, one.center,
                                              one.inverse, one.t0, one.t1, one.from)
                                   : NO_CELL;
         if (hits == NULL) {
@@ -280,8 +285,8 @@ bool CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, float find
     strict_find at;
     if (!init_one_ray(&one, f, ray)) return false;
     one.from = max_second(t, one.from);
-    const one_cell cell =
-        walk_one(f, &one, NULL, true, &at, one.org, one.dir, one.center, one.inverse, one.t0, one.t1, one.from);
+    const one_cell cell = walk_one(f, &one, NULL, one.up, OPENS, &at, one.org, one.dir, one.center, one.inverse, one.t0,
+                                   one.t1, one.from);
     if (cell == NO_CELL) return false;
     const size_t i = (uint32_t)cell, j = (uint32_t)(cell >> 32);
     const float *row = f->z + j * f->stride + i, *corner = at.b ? row + f->stride : row + 1;

@@ -18,7 +18,7 @@
 typedef struct one_ray {
     quarter org, dir, center, inverse;
     float t0, t1, from;
-    quadrant q;
+    unsigned up;  /* bit 0: the ray goes up in x; bit 1: in y */
     bool special; /* made ready by strict_ray_init */
 } one_ray;
 
@@ -34,7 +34,7 @@ static __attribute__((noinline)) bool init_special(one_ray *r, const cw_field *f
         .t0 = s.t0,
         .t1 = s.t1,
         .from = s.t0,
-        .q = {s.x.step > 0, s.y.step > 0},
+        .up = (s.x.step > 0) + 2u * (s.y.step > 0),
         .special = true,
     };
     return true;
@@ -48,7 +48,7 @@ CW_INLINE bool init_one_ray(one_ray *r, const cw_field *f, const cw_ray *ray) {
     const bits sign = (bits)(quarter){-0.0f, -0.0f, -0.0f, -0.0f};
     const quarter off = (quarter)((bits)(o - load_quarter(f->middle)) & ~sign), length = (quarter)((bits)d & ~sign);
     const bits plain = (off < load_quarter(f->reach)) & (length > 0x1p-128f) & (length <= 0x1p126f);
-    if ((plain[0] & plain[1] & plain[2]) == 0) return init_special(r, f, ray);
+    if ((quarter_signs((quarter)plain) & 7) != 7) return init_special(r, f, ray);
 
     const bits high = (bits)load_quarter(f->last), up = d > 0;
     const quarter enter = (quarter)(high & ~up) - o, leave = (quarter)(high & up) - o;
@@ -63,7 +63,7 @@ CW_INLINE bool init_one_ray(one_ray *r, const cw_field *f, const cw_ray *ray) {
     r->inverse = inverse;
     r->t0 = r->from = t0;
     r->t1 = t1;
-    r->q = (quadrant){ray->dir[0] > 0, ray->dir[1] > 0};
+    r->up = ~quarter_signs(d) & 3;
     r->special = false;
     return true;
 }
@@ -93,7 +93,7 @@ CW_INLINE bool starts_inside(const cw_field *f, const cw_ray *ray, one_start *at
     const quarter back = 0x1p-21f * ((quarter)((bits)o & ~sign) + (high + 1)), way = ray->tmin * d;
     const quarter place = (o - (quarter)((bits)back ^ (sign & ~up))) + way;
     const bits inside = (place >= 0) & (place < high);
-    if ((inside[0] & inside[1]) == 0) return false;
+    if ((quarter_signs((quarter)inside) & 3) != 3) return false;
     at->i = (int32_t)place[0];
     at->j = (int32_t)place[1];
     at->height = o[2] + way[2] - f->z[(size_t)at->j * f->stride + (size_t)at->i];

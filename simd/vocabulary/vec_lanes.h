@@ -69,6 +69,17 @@ typedef float quarter __attribute__((vector_size(16)));
 typedef float quarter_memory __attribute__((vector_size(16), aligned(4), may_alias));
 static inline quarter load_quarter(const float *from) { return *(const quarter_memory *)from; }
 
+/* Bit k is the sign of float k of a quarter. */
+static inline unsigned quarter_signs(quarter a) {
+#ifdef __SSE__
+    return (unsigned)__builtin_ia32_movmskps(a);
+#else
+    typedef uint32_t bits __attribute__((vector_size(16)));
+    const bits b = (bits)a >> 31;
+    return b[0] | b[1] << 1 | b[2] << 2 | b[3] << 3;
+#endif
+}
+
 /* Float k of a quarter; GCC compiles a[k] through memory. */
 #define QUARTER_FLOAT(a, k) (__builtin_shufflevector(a, a, k, k, k, k)[0])
 
@@ -84,6 +95,8 @@ static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){a.
 #endif
 
 #if W < 16
+/* a b - c, where a b is exact: rounded once. */
+static inline float_reg rf_mul_sub(float_reg a, float_reg b, float_reg c) { return (float_reg){a.v * b.v - c.v}; }
 #define COMPARE(a, sign, b, name) ((lane_mask)((a)sign(b)))
 static inline mask_reg ri_eq(int_reg a, int_reg b) { return (mask_reg){COMPARE(a.v, ==, b.v, EQ)}; }
 #endif
