@@ -8,8 +8,8 @@
  * the ray begins near the ground, the walk begins at its block: mostly no node above need be opened, and those that must be do
  * not depend on each other. Else it begins at the top, as do rays that enter the field from outside.
  *
- * A ray that opens many nodes runs beside a surface as a rule, nearer than bounds can tell. Then nodes are also judged by
- * slabs, in double, which are wider than their samples only by what the leaf test's own rounding needs this far from the ray's
+ * A ray that opens many nodes runs beside a surface as a rule, nearer than bounds can tell. Then nodes above blocks are
+ * also judged by slabs, in double, which are wider than their samples only by what the leaf test's own rounding needs this far from the ray's
  * origin.
  *
  * Invariant: at each level what the ray meets is opened from front to back, and all before the first node opened is behind the
@@ -29,11 +29,12 @@
 #include <float.h>
 #include <string.h>
 
-/* Rays that begin less than LOW_HEIGHT above the ground begin their walk at their block; after OPENS nodes slabs judge them too: measured
- * (papers/walks.md). */
+/* See falls_soon. Rays that begin at most LOW_HEIGHT above or below a sample of their cell begin their walk at its block. After OPENS
+ * nodes slabs judge nodes too. All three were measured. */
 enum { SOON_CELLS = 8, LOW_HEIGHT = 8, OPENS = 48 };
 
-/* A cell's row above 32 bits, and its column; or none. One number: of two, GCC makes two stores and one load, which waits for both. */
+/* A cell's row in the upper 32 bits, its column in the lower; or none. One number: of two, GCC makes two stores and one load, which waits
+ * for both. */
 typedef int64_t one_cell;
 enum { NO_CELL = -1 };
 
@@ -46,7 +47,7 @@ typedef struct child_borders {
 } child_borders;
 
 /* in_place: lanes are children. on_way: lane k is child[k], rows too being numbered from where the ray enters, so that the nearest of
- * some is the lowest bit of their mask. Rejected: to compute it, a tenth of the instructions of a ray that meets nothing. */
+ * some is the lowest bit of their mask. Rejected: to compute these for each ray (papers/walks.md). */
 typedef struct walk_order {
     child_borders in_place, on_way;
     int32_t child[CHILDREN];
@@ -70,9 +71,11 @@ static const walk_order orders[4] = {
      {COLUMNS(0, 1, 2, 3), ROWS(0, 1, 2, 3), COLUMNS(1, 2, 3, 4), ROWS(1, 2, 3, 4)},
      {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}},
 };
+#undef COLUMNS
+#undef ROWS
 
-/* Crossings with the borders of lanes k and on, of node (x, y), whose children have that side. Borders are whole numbers, which
- * nothing rounds. */
+/* Crossings with the borders of lanes k and on, of node (x, y), whose children have that side. A border is a side, which is
+ * a power of two, times a number below 2^24: nothing rounds it. */
 CW_INLINE void cross_children(const vray *r, const child_borders *b, size_t k, ptrdiff_t x, ptrdiff_t y, float side,
                               vcell *c) {
     const vfloat s = vf_set(side), low_x = vf_set((float)(int32_t)(4 * x)), low_y = vf_set((float)(int32_t)(4 * y));
@@ -125,7 +128,8 @@ CW_INLINE one_cell test_block(const one_ray *one, const vray *r, quadrant q, con
         c.i = vf_add(vf_set((float)(int32_t)(4 * x)), vf_load(lane_x[0] + (W < 4 ? k : 0)));
         c.j = vf_add(vf_set((float)(int32_t)(4 * y)), vf_load(lane_y[0] + k));
         vfind find;
-        vray whole = *r; /* with what nodes do not read; made before the walk, that would be stored */
+        vray whole = *r;
+        /* What nodes do not read. Without the asm, compilers make it before the walk, and store it. */
         __asm__("" : "+r"(one));
         whole.x.up = vm_set(q.up_x), whole.y.up = vm_set(q.up_y);
         whole.x.org = vf_set(one->org[0]), whole.x.dir = vf_set(one->dir[0]);

@@ -65,7 +65,7 @@ CW_INLINE unsigned packet_finds(const block_cells *b, quadrant q, packet *l, siz
         c.h10 = vf_set(low[1]);
         c.h01 = vf_set(high[0]);
         c.h11 = vf_set(high[1]);
-        vfind find = {c.t0, c.t1, gate}; /* any-hit queries do not set it; avoids a warning */
+        vfind find;
         const vmask now = wt_cell_in(r, &c, gate, &find);
         const unsigned hits = vm_bits(now);
         if (hits == 0) continue;

@@ -48,7 +48,7 @@ static inline vmask wt_between(vfloat da, vfloat db) {
     return vm_or(vm_and(vf_ge(da, zero), vf_le(db, zero)), vm_and(vf_le(da, zero), vf_ge(db, zero)));
 }
 
-/* Lanes among which the cell is hit. *find is set only if any is false. */
+/* Lanes among which the cell is hit. In others *find is undefined. */
 CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *find) {
     const vwt r = {vf_sub(ray->x.org, c->i),
                    vf_sub(ray->y.org, c->j),

@@ -13,7 +13,7 @@ target_compile_options(cellwalk_plain_flags INTERFACE
     # Not by -fno-fast-math, of which Clang 14 warns where it also takes back -ffp-contract=fast; nor, with Clang, by
     # -fno-unsafe-math-optimizations, which there stands for the parts that follow and for trapping math besides.
     ${safe_math} -fno-finite-math-only -fsigned-zeros -fno-associative-math -fno-reciprocal-math
-    # No multiply and add is fused: GCC fuses even separate intrinsics as soon as
+    # Compilers fuse no multiply and add: GCC fuses even separate intrinsics as soon as
     # the target has FMA, and then widths disagree in their bits.
     -ffp-contract=off
     # Square roots and the like need no errno, floating-point traps are masked; neither changes a result.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What all vec_*.h have in common, included once W is defined: types, and words that compilers express in every instruction set, by
- * operators of C on vectors and by shuffles within quarters, four lanes each. Of those for W > 1, vec_scalar.h has the meaning. */
+ * operators of C on vectors and by shuffles within quarters, four lanes each. Of those for W > 1, vec_scalar.h has the meaning, but for rf_mul_sub, explained here. */
 #ifndef CELLWALK_SIMD_VEC_LANES_H
 #define CELLWALK_SIMD_VEC_LANES_H
 
@@ -18,7 +18,7 @@
 #endif
 
 /* For bodies that take constant arguments (leaf test, kind of query) or a ray by pointer: unless it is inlined, a compiler
- * keeps the choice at run time and writes the ray's twenty vectors to the stack for the call. */
+ * keeps the choice at run time and writes the ray's sixteen vectors to the stack for the call. */
 #define CW_INLINE static inline __attribute__((always_inline))
 
 /* For bodies of which one copy serves all callers, whatever constants they pass. */
@@ -95,7 +95,7 @@ static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){a.
 #endif
 
 #if W < 16
-/* a b - c, where a b is exact: rounded once. */
+/* a b - c. The caller sees to it that a b is exact: so it may be fused with the same bits. */
 static inline float_reg rf_mul_sub(float_reg a, float_reg b, float_reg c) { return (float_reg){a.v * b.v - c.v}; }
 #define COMPARE(a, sign, b, name) ((lane_mask)((a)sign(b)))
 static inline mask_reg ri_eq(int_reg a, int_reg b) { return (mask_reg){COMPARE(a.v, ==, b.v, EQ)}; }

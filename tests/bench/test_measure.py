@@ -134,7 +134,7 @@ def test_a_raster_of_ones_own(tmp_path):
     rng = np.random.default_rng(1)
     np.save(tmp_path / "land.npy", rng.normal(size=(50, 70)).cumsum(axis=1).astype(np.float32))
     done = run("measure", "--field", tmp_path / "land.npy", "--cellsize", 2, *WIDE)
-    assert done.stdout.count("default") == 7 and "land.npy/shadow" in done.stdout
+    assert done.stdout.count("default") == 8 and "land.npy/shadow" in done.stdout
 
 
 def test_a_raster_that_gdal_reads(tmp_path):

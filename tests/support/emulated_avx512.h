@@ -16,6 +16,9 @@ typedef float half_ps __attribute__((vector_size(32)));
 #define _mm512_cvtps_pd(a) ((__m512d) __builtin_convertvector((half_ps)(a), lanes_pd))
 #define _mm512_cvtpd_ps(a) ((__m256) __builtin_convertvector((lanes_pd)(a), half_ps))
 
+/* Not fused: rf_mul_sub's products are exact. */
+#define _mm512_fmsub_round_ps(a, b, c, rounding) ((__m512)((lanes_ps)(a) * (lanes_ps)(b) - (lanes_ps)(c)))
+
 static inline __m512 emulated_mask_gather(__m512 other, __mmask16 m, __m512i index, const float *base) {
     lanes_ps to = (lanes_ps)other;
     for (int k = 0; k < 16; k++)
