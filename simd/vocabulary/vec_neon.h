@@ -10,6 +10,7 @@
 #define CELLWALK_SIMD_VEC_NEON_H
 
 #define W 4 /* lanes of a register */
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "lanes and bytes are numbered as they lie in memory");
 
 #include "vec_lanes.h"
 

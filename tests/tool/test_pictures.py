@@ -108,6 +108,8 @@ def test_water_from_above():
         picture("wall.npy", *ABOVE, level)
         files.append(read("o.exr"))
     assert files[0] == files[1]
+    done = run("render", "wall.npy", *ABOVE, "--water", 1000, "-o", "o.exr")
+    assert done.status == 0 and "warning: --water 1000: not drawn, as the eye is at 1000 m, not above it\n" in done.err
 
 
 def test_water_mirrors_land():

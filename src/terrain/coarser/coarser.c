@@ -44,7 +44,7 @@ static void average_row(const maker *m, size_t j, double *restrict sum, double *
     const bool holes = f->holes > 0;
     const span rows = around(j * m->factor, m->factor - 1, f->ny);
     memset(sum, 0, f->nx * sizeof *sum);
-    memset(weight, 0, f->nx * sizeof *weight);
+    if (holes) memset(weight, 0, f->nx * sizeof *weight);
     double all = 0;
     for (size_t y = rows.begin; y < rows.end; y++) {
         const float *restrict z = f->z + y * f->stride;

@@ -207,6 +207,9 @@ static bool make_scene(view *v, io_error *error) {
     if (v->haze > 0) d.visibility = v->haze;
     const double water = v->water / terrain_metres_of_height(&v->ground.terrain);
     if (!isnan(water)) d.water_level = &water;
+    if (!isnan(water) && d.eye[2] <= v->water)
+        io_warn(&v->ground.watch.warn, "--water %g: not drawn, as the eye is at %g m, not above it", v->water,
+                d.eye[2]);
     if (v->smooth && cw_field_describe(d.field).holes > 0) {
         d.samples = v->filled = fill_holes(d.samples, d.nx, d.ny, error);
         if (v->filled == NULL) return false;
