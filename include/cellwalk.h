@@ -9,32 +9,33 @@
  *     CW_TRIANGLE_A = (i, j), (i + 1, j), (i + 1, j + 1)      below the diagonal (y - j <= x - i)
  *     CW_TRIANGLE_B = (i, j), (i + 1, j + 1), (i, j + 1)      above the diagonal
  *
- * A *hole* is a sample without a height (NaN); triangles with a hole at a vertex do not exist. *Field space* has unit cells
- * and the samples' heights. *User space* is the caller's; an affine map in double ties it to field space.
+ * A *hole* is a sample without a height (NaN); triangles with a hole at a vertex do not exist. *Field space* has unit
+ * cells and the samples' heights. *User space* is the caller's; an affine map in double ties it to field space.
  *
- * Threads. Every function may be called from several threads at once unless it says otherwise. Queries do not allocate. A query
- * of at most 8 rays, places or hits takes at most 16 KiB of stack if no kernel is forced, and any other call 128 KiB. No function
- * is a cancellation point, and callbacks run with cancellation disabled; asynchronous cancellation is undefined. A callback must
- * return: it must not jump out, throw or end its thread. In a child made by fork, queries of the parent do not keep a field busy; an
- * update does, so destroy a field that was being updated. A child that a callback has forked must neither return from it nor update
- * the field.
+ * Threads. Every function may be called from several threads at once unless it says otherwise. Queries do not allocate.
+ * A query of at most 8 rays, places or hits takes at most 16 KiB of stack if no kernel is forced, and any other call
+ * 128 KiB. No function is a cancellation point, and callbacks run with cancellation disabled; asynchronous cancellation
+ * is undefined. A callback must return: it must not jump out, throw or end its thread. In a child made by fork, queries
+ * of the parent do not keep a field busy; an update does, so destroy a field that was being updated. A child that a
+ * callback has forked must neither return from it nor update the field.
  *
- * Errors. Functions that can fail return a cw_status and leave a sentence with the argument, its value and the limit for
- * cw_last_error. Unless a function says otherwise, its outputs are untouched on an error. Functions without a status are not
- * checked: no argument may be NULL. Arrays may be NULL if nothing is in them: for n = 0 and for an empty rectangle.
+ * Errors. Functions that can fail return a cw_status and leave a sentence with the argument, its value and the limit
+ * for cw_last_error. Unless a function says otherwise, its outputs are untouched on an error. Functions without a
+ * status are not checked: no argument may be NULL. Empty arrays may be NULL: for n = 0 and for an empty rectangle.
  *
- * Floating point. Calls compute in the IEEE default environment (round to nearest, denormals kept) and restore the caller's rounding,
- * treatment of denormals and masks. Exception flags that they raise stay raised. Callbacks run in either environment.
+ * Floating point. Calls compute in the IEEE default environment (round to nearest, denormals kept) and restore the
+ * caller's rounding, treatment of denormals and masks. Exception flags that they raise stay raised. Callbacks run in
+ * either environment.
  *
- * Growing. This header and the library keep source and binary compatibility within a major version. Enumerations are int32_t, and
- * their numbers are never used again. Structs that the caller fills end in reserved members, which must be zero: later versions
- * give them a meaning, and anything but zero fails with CW_ERROR_ARGUMENT. Zero is always the default, so start from {0}. Structs
- * that the library fills take their size, so a program compiled with an older header gets the members of that header. The records
- * cw_ray, cw_user_ray, cw_hit and cw_rectangle never change. Kernels and instruction sets are chosen by cellwalk_expert.h,
- * which may change in any version. Room is reserved in cw_field_desc and cw_update for holes per cell, samples of 16 bits and the
- * other diagonal.
+ * Growing. This header and the library keep source and binary compatibility within a major version. Enumerations are
+ * int32_t, and their numbers are never used again. Structs that the caller fills end in reserved members, which must be
+ * zero: later versions give them a meaning, and anything but zero fails with CW_ERROR_ARGUMENT. Zero is always the
+ * default, so start from {0}. Structs that the library fills take their size, so a program compiled with an older
+ * header gets the members of that header. The records cw_ray, cw_user_ray, cw_hit and cw_rectangle never change.
+ * Kernels and instruction sets are chosen by cellwalk_expert.h, which may change in any version. Room is reserved in
+ * cw_field_desc and cw_update for holes per cell, samples of 16 bits and the other diagonal.
  *
- * Not offered: instances, rays with a stride, walks in double precision, queries on a field that another thread destroys. */
+ * Not offered: instances, strided rays, walks in double precision, queries on a field that another thread destroys. */
 
 #ifndef CELLWALK_H
 #define CELLWALK_H
@@ -43,8 +44,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* How functions are declared. CW_SHARED: the program links the library as a DLL. CW_BUILD is for the library's own build. A program
- * that compiles the library into itself may define CW_API as it likes. */
+/* How functions are declared. CW_SHARED: the program links the library as a DLL. CW_BUILD is for the library's own
+ * build. A program that compiles the library into itself may define CW_API as it likes. */
 #ifndef CW_API
 #if defined(_WIN32) && defined(CW_BUILD)
 #define CW_API __declspec(dllexport)
@@ -137,8 +138,8 @@ typedef struct cw_expert {
     int32_t isa;
 } cw_expert;
 
-/* How something runs. All zero, and a NULL cw_run, mean: the calling thread, no watch, the best kernel for this machine and this
- * number of rays. */
+/* How something runs. All zero, and a NULL cw_run, mean: the calling thread, no watch, the best kernel for this machine
+ * and this number of rays. */
 typedef struct cw_run {
     cw_pool *pool;        /* NULL: the calling thread. Queries of fewer than 1024 rays stay on it in any case */
     cw_watch_fn *watch;   /* NULL: none */
@@ -157,8 +158,8 @@ enum { CW_SIDE_MAX = 1 << 23 };
 
 typedef struct cw_field cw_field;
 
-/* Memory for a field and for what is made from it, such as memory backed by files. Both functions are called by several threads at
- * once. */
+/* Memory for a field and for what is made from it, such as memory backed by files. Both functions are called by several
+ * threads at once. */
 typedef struct cw_allocator {
     /* Returns bytes bytes, at least 1, aligned to alignment, a power of two up to 2^21; or NULL. */
     void *(*allocate)(void *context, size_t bytes, size_t alignment);
@@ -189,9 +190,9 @@ typedef struct cw_field_desc {
     uint64_t reserved[8];          /* 0 */
 } cw_field_desc;
 
-/* Makes a field, which the caller owns, with the bounds that kernels walk on: less than 2 bytes a cell, but for small or narrow
- * fields, and 2 KiB. It has the same bits for any pool. On failure *field is NULL: CW_ERROR_ARGUMENT, _SAMPLE, _MEMORY, _CANCELLED,
- * or _KERNEL if run->expert names a kernel that does not exist. */
+/* Makes a field, which the caller owns, with the bounds that kernels walk on: less than 2 bytes a cell, but for small
+ * or narrow fields, and 2 KiB. It has the same bits for any pool. On failure *field is NULL: CW_ERROR_ARGUMENT,
+ * _SAMPLE, _MEMORY, _CANCELLED, or _KERNEL if run->expert names a kernel that does not exist. */
 CW_API cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, cw_field **field);
 /* NULL is allowed. Nothing may be running on the field. */
 CW_API void cw_field_destroy(cw_field *field);
@@ -204,8 +205,8 @@ typedef struct cw_rectangle {
 
 typedef struct cw_update {
     cw_rectangle at; /* may be empty */
-    /* The new samples, (at.i + x, at.j + y) at samples[y * stride + x]; not in the field's own memory. NULL for a field that
-     * borrows: its caller has changed them already. */
+    /* The new samples, (at.i + x, at.j + y) at samples[y * stride + x]; not in the field's own memory. NULL for a field
+     * that borrows: its caller has changed them already. */
     const float *samples;
     size_t stride;        /* floats from one row to the next; 0: at.nx */
     uint32_t wait;        /* 1: wait while queries or updates run; 0: fail with CW_ERROR_BUSY */
@@ -213,22 +214,24 @@ typedef struct cw_update {
     uint64_t reserved[7]; /* 0 */
 } cw_update;
 
-/* Changes samples. Afterwards the field has the same bits as one made of the new samples. The time grows with the rectangle,
- * and hardly with the field. Does not allocate. Only run's pool is used: an update is not cancelled.
- * CW_ERROR_SAMPLE: a sample is refused, and the field does not change; if it borrows, put other samples there and
- * call this again before the next query. CW_ERROR_BUSY: a query or another update is running on the field, and wait is 0. Functions
- * without a status are not checked for that.
+/* Changes samples. Afterwards the field has the same bits as one made of the new samples. The time grows with the
+ * rectangle, and hardly with the field. Does not allocate. Only run's pool is used: an update is not cancelled.
+ * CW_ERROR_SAMPLE: a sample is refused, and the field does not change; if it borrows, put other samples there and call
+ * this again before the next query. CW_ERROR_BUSY: a query or another update is running on the field, and wait is 0.
+ * Functions without a status are not checked for that.
  *
- * With wait, the update begins when all queries that run have ended. Queries that begin meanwhile wait for it, instead of failing
- * with CW_ERROR_BUSY. Nobody starves: such updates take turns, and before the next one all queries begin that waited. Two calls
- * that wait for each other never end, so no watch or task of a query or update may call functions on a field that is updated with
- * wait, nor wait for a thread that does. In a child made by fork during an update, wait fails with CW_ERROR_BUSY. Borrowed samples
- * change before the call, so the caller still keeps queries away from them. */
+ * With wait, the update begins when all queries that run have ended. Queries that begin meanwhile wait for it, instead
+ * of failing with CW_ERROR_BUSY. Nobody starves: such updates take turns, and before the next one all queries begin
+ * that waited. Two calls that wait for each other never end, so no watch or task of a query or update may call
+ * functions on a field that is updated with wait, nor wait for a thread that does. In a child made by fork during an
+ * update, wait fails with CW_ERROR_BUSY. Borrowed samples change before the call, so the caller still keeps queries
+ * away from them. */
 CW_API cw_status cw_field_update(cw_field *field, const cw_run *run, const cw_update *update);
 
-/* Gives the field another map, as for a floating origin. Samples and answers in field space stay, and user space moves. A query
- * that runs in another thread has the old map or the new one for all its rays. map as in cw_field_desc, wait as in cw_update.
- * CW_ERROR_ARGUMENT: the map is not finite or cannot be inverted, and the field keeps its own. CW_ERROR_BUSY as for updates. */
+/* Gives the field another map, as for a floating origin. Samples and answers in field space stay, and user space moves.
+ * A query that runs in another thread has the old map or the new one for all its rays. map as in cw_field_desc, wait as
+ * in cw_update. CW_ERROR_ARGUMENT: the map is not finite or cannot be inverted, and the field keeps its own.
+ * CW_ERROR_BUSY as for updates. */
 CW_API cw_status cw_field_move(cw_field *field, const double map[3][4], uint32_t wait);
 
 typedef struct cw_field_info {
@@ -275,14 +278,13 @@ typedef struct cw_ray {
 enum { CW_TRIANGLE_A = 0, CW_TRIANGLE_B = 1 };
 
 /* With p0, p1, p2 the triangle's vertices in the order given at the top, the hit is p0 + u (p1 - p0) + v (p2 - p0).
- * t counts from the ray's origin as given, and lies in [tmin, tmax]. It is the exact t
- * rounded to the nearest float (if it is within 2^-50 of itself of the middle between two floats, to either), and u and v
- * are within 1.25 · 2^-24 of theirs, with four exceptions: the ray passes within rounding of the triangle's edge; it is
- * all but parallel to the triangle; its range begins or ends within rounding of the surface, where t may be that end;
- * or t is so small, as below 1e-10 in a field of unit heights, that the rounding of the heights in double counts.
- * papers/numerics.md has the bounds of all. From afar a float t does not distinguish neighbouring cells: i, j, u and
- * v do. A miss has t = +infinity, i = j = -1, and 0 elsewhere.
- * The 24 bytes are also the record of the tool's hits.npy. */
+ * t counts from the ray's origin as given, and lies in [tmin, tmax]. It is the exact t rounded to the nearest float (if
+ * it is within 2^-50 of itself of the middle between two floats, to either), and u and v are within 1.25 · 2^-24 of
+ * theirs, with four exceptions: the ray passes within rounding of the triangle's edge; it is all but parallel to the
+ * triangle; its range begins or ends within rounding of the surface, where t may be that end; or t is so small, as
+ * below 1e-10 in a field of unit heights, that the rounding of the heights in double counts. papers/numerics.md has the
+ * bounds of all. From afar a float t does not distinguish neighbouring cells: i, j, u and v do. A miss has
+ * t = +infinity, i = j = -1, and 0 elsewhere. The 24 bytes are also the record of the tool's hits.npy. */
 typedef struct cw_hit {
     float t;
     int32_t i, j;      /* the cell */
@@ -309,11 +311,11 @@ typedef struct cw_user_ray {
     double tmax;
 } cw_user_ray;
 
-/* Moves rays to field space in double and rounds last, so that a field far from the user's origin loses nothing:
- * from 5 · 10^6 m away, cells of 1 m get the same rays as at the origin. One rounding to float is lost: of an origin
- * within a field of 10 000 cells, as in UTM, up to 5 · 10^-4 cells; of one 10^5 cells away, a sensor 700 km above
- * cells of 10 m in geocentric coordinates, up to 4 · 10^-3; and 2^-24 of the direction's length. A map that skews by
- * a factor s loses up to s times as much. t is the same in both spaces. in and out must not overlap. Fails like cw_closest. */
+/* Moves rays to field space in double and rounds last, so that a field far from the user's origin loses nothing: from
+ * 5 · 10^6 m away, cells of 1 m get the same rays as at the origin. One rounding to float is lost: of an origin within
+ * a field of 10 000 cells, as in UTM, up to 5 · 10^-4 cells; of one 10^5 cells away, a sensor 700 km above cells of
+ * 10 m in geocentric coordinates, up to 4 · 10^-3; and 2^-24 of the direction's length. A map that skews by a factor s
+ * loses up to s times as much. t is the same in both spaces. in and out must not overlap. Fails like cw_closest. */
 CW_API cw_status cw_rays_to_field(const cw_field *field, const cw_run *run, const cw_user_ray *in, size_t n,
                                   cw_ray *out);
 
@@ -326,16 +328,16 @@ CW_API cw_status cw_occluded_user(const cw_field *field, const cw_run *run, cons
 /* ---- places, points and normals ---------------------------------------------------------------------------------- */
 
 /* The places on the surface at n pairs of field coordinates x, y, as hits with t = 0. A miss outside the field, in a
- * triangle with a hole at a vertex, and for NaN. A place on the border of two cells lies in the one of greater i or j, and one on a
- * diagonal in CW_TRIANGLE_A. Fails like cw_closest. */
+ * triangle with a hole at a vertex, and for NaN. A place on the border of two cells lies in the one of greater i or j,
+ * and one on a diagonal in CW_TRIANGLE_A. Fails like cw_closest. */
 CW_API cw_status cw_surface_at(const cw_field *field, const cw_run *run, const double *xy, size_t n, cw_hit *hits);
 /* The same above or below n points x, y, z in user space, along the field's own up, which is the map's third column:
  * (x, y, any number) where that is (0, 0, 1), (x, any number, z) in a world whose y is up. */
 CW_API cw_status cw_surface_at_user(const cw_field *field, const cw_run *run, const double *xyz, size_t n,
                                     cw_hit *hits);
 
-/* For each of n hits on this field, three doubles in user space: NaN for a miss and for a triangle that the field does not have.
- * Fail like cw_closest. */
+/* For each of n hits on this field, three doubles in user space: NaN for a miss and for a triangle that the field does
+ * not have. Fail like cw_closest. */
 
 /* The point on the triangle, from i, j, triangle, u and v. It lies on the surface to rounding, unlike org + t · dir. */
 CW_API cw_status cw_hit_points(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *points);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
-/* Kernels, instruction sets and what is measured and tested of them: for benchmarks, tests and the project's own programs. The
- * rules of cellwalk.h hold, but for its promise: anything here may change or go in any version. */
+/* Kernels, instruction sets and what is measured and tested of them: for benchmarks, tests and the project's own
+ * programs. The rules of cellwalk.h hold, but for its promise: anything here may change or go in any version. */
 
 #ifndef CELLWALK_EXPERT_H
 #define CELLWALK_EXPERT_H
@@ -32,9 +32,9 @@ CW_API const char *cw_isa_name(cw_isa isa);
  * scalar and itself, neon includes scalar. */
 CW_API bool cw_isa_includes(cw_isa whole, cw_isa part);
 
-/* The instruction set in use, which is the widest that is included in all of these: the CPU's and the operating system's (CPUID and
- * XGETBV); the environment variable CELLWALK_ISA, one of the names above, read once, of which another value limits nothing, so a
- * program should check it at its start; and the last cw_isa_limit. */
+/* The instruction set in use, which is the widest that is included in all of these: the CPU's and the operating
+ * system's (CPUID and XGETBV); the environment variable CELLWALK_ISA, one of the names above, read once, of which
+ * another value limits nothing, so a program should check it at its start; and the last cw_isa_limit. */
 CW_API cw_isa cw_isa_best(void);
 /* Limits the process to an instruction set and those that it includes. CW_ISA_ANY lifts the limit. Queries that have
  * begun are not affected. */
@@ -55,12 +55,12 @@ enum {
 CW_API const char *cw_leaf_name(cw_leaf leaf);
 
 /* A kernel is one way to find hits. Kernels live as long as the program. cell, packet* and pyramid* return the same
- * bits for the same leaf test. A program may add reference kernels, which are in no library: brute and grid3d use other operations
- * and may differ in last bits and near edges. */
+ * bits for the same leaf test. A program may add reference kernels, which are in no library: brute and grid3d use other
+ * operations and may differ in last bits and near edges. */
 typedef struct cw_kernel cw_kernel;
 
-/* Members of cw_run.expert: kernel, NULL for the best one; leaf, a cw_leaf; isa, a cw_isa that this run keeps within besides the
- * limits above. A query whose kernel is not available fails with CW_ERROR_KERNEL when it begins. */
+/* Members of cw_run.expert: kernel, NULL for the best one; leaf, a cw_leaf; isa, a cw_isa that this run keeps within
+ * besides the limits above. A query whose kernel is not available fails with CW_ERROR_KERNEL when it begins. */
 
 typedef struct cw_kernel_info {
     const char *name; /* "packet8" */
@@ -94,9 +94,9 @@ CW_API cw_status cw_run_check(const cw_field *field, const cw_run *run);
 /* The kernel that a query of many rays with this run uses; field is ignored and may be NULL. */
 CW_API const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run);
 
-/* Makes the structure that run's kernel needs beside the bounds, if any, unless the field has it. cw_field_create does so for the
- * kernel of its run; an update drops it. Nothing else may be running on the field. On failure the field does not change:
- * CW_ERROR_ARGUMENT, _KERNEL, _MEMORY. */
+/* Makes the structure that run's kernel needs beside the bounds, if any, unless the field has it. cw_field_create does
+ * so for the kernel of its run; an update drops it. Nothing else may be running on the field. On failure the field does
+ * not change: CW_ERROR_ARGUMENT, _KERNEL, _MEMORY. */
 CW_API cw_status cw_field_build(cw_field *field, const cw_run *run);
 
 /* ---- threads ---------------------------------------------------------------------------------------------------- */
@@ -112,14 +112,15 @@ CW_API void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work,
 
 /* ---- headings --------------------------------------------------------------------------------------------------- */
 
-/* A heading traces rays that leave many samples in one direction, as for sunlight. It is in libcellwalk_terrain. Each ray
- * starts exactly on the surface at its sample and meets everything beyond it, so no ray has to be lifted off the
+/* A heading traces rays that leave many samples in one direction, as for sunlight. It is in libcellwalk_terrain. Each
+ * ray starts exactly on the surface at its sample and meets everything beyond it, so no ray has to be lifted off the
  * ground. This is faster than a query with one ray for each sample.
  *
  * A heading is a direction (dir[0], dir[1]) in field coordinates, prepared for one field: it keeps the 2 to 4
- * edges that a ray crosses per cell, as far as the longest ray goes, in some 20 bytes each. From sample (i, j) with height z,
- * the surface at (i + t dir[0], j + t dir[1]) rises by (height - z) / t, t > 0. The steepest rise is at a triangle's edge, so only edges are examined. An edge counts if neither of
- * its samples is a hole, even if both triangles beside it have a hole. */
+ * edges that a ray crosses per cell, as far as the longest ray goes, in some 20 bytes each. From sample (i, j) with
+ * height z, the surface at (i + t dir[0], j + t dir[1]) rises by (height - z) / t, t > 0. The steepest rise is at a
+ * triangle's edge, so only edges are examined. An edge counts if neither of its samples is a hole, even if both
+ * triangles beside it have a hole. */
 typedef struct cw_heading cw_heading;
 
 typedef struct cw_heading_desc {
@@ -133,7 +134,8 @@ typedef struct cw_heading_desc {
     uint64_t reserved[4]; /* 0 */
 } cw_heading_desc;
 
-/* The caller owns the heading and destroys it before the field. On failure *heading is NULL: CW_ERROR_ARGUMENT, _MEMORY. */
+/* The caller owns the heading and destroys it before the field. On failure *heading is NULL: CW_ERROR_ARGUMENT,
+ * _MEMORY. */
 CW_API cw_status cw_heading_create(const cw_field *field, const cw_heading_desc *desc, cw_heading **heading);
 /* NULL is allowed. */
 CW_API void cw_heading_destroy(cw_heading *heading);

@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
-/* Cellwalk's terrain library, libcellwalk_terrain, computes coarser fields, shadow and sunlight, horizons, sky views, viewsheds,
- * lines of sight and how much each place sees. It requires libcellwalk and libm.
+/* Cellwalk's terrain library, libcellwalk_terrain, computes coarser fields, shadow and sunlight, horizons, sky views,
+ * viewsheds, lines of sight and how much each place sees. It requires libcellwalk and libm.
  *
- * The rules of cellwalk.h hold. Functions return a cw_status and leave a sentence for cw_last_error. Structs that the caller fills
- * end in reserved members, which must be 0, and zero is the default. Records (cw_area, cw_sight, cw_sight_answer) never change. No
- * output is valid after an error. Of cw_run, pool and watch are used; the answers have the same bits for any pool, instruction
- * set and part of the field.
+ * The rules of cellwalk.h hold. Functions return a cw_status and leave a sentence for cw_last_error. Structs that the
+ * caller fills end in reserved members, which must be 0, and zero is the default. Records (cw_area, cw_sight,
+ * cw_sight_answer) never change. No output is valid after an error. Of cw_run, pool and watch are used; the answers
+ * have the same bits for any pool, instruction set and part of the field.
  *
- * Words. The *map* has x and y, and heights in metres; azimuths are degrees from the map's y axis over its x axis: from north over
- * east where y grows northward. The *surface* is the field's: two triangles a cell, without interpolation of another kind. What
- * hides are its edges, also those between two samples that holes leave without a triangle, and single samples; holes hide nothing.
- * Lines are straight on the map.
+ * Words. The *map* has x and y, and heights in metres; azimuths are degrees from the map's y axis over its x axis: from
+ * north over east where y grows northward. The *surface* is the field's: two triangles a cell, without interpolation of
+ * another kind. What hides are its edges, also those between two samples that holes leave without a triangle, and
+ * single samples; holes hide nothing. Lines are straight on the map.
  *
- * Threads. Any number of threads may use one terrain. Samples must not change while they do, and after a cw_field_update
- * or cw_field_move a new terrain is needed. Functions allocate. A call takes at most 48 KiB of stack.
+ * Threads. Any number of threads may use one terrain. Samples must not change while they do, and after a
+ * cw_field_update or cw_field_move a new terrain is needed. Functions allocate. A call takes at most 48 KiB of stack.
  *
  * Errors. CW_ERROR_ARGUMENT: an argument or member is NULL, out of range or not 0 where it must be. CW_ERROR_MEMORY,
  * CW_ERROR_CANCELLED, and CW_ERROR_BUSY during an update of the field.
  *
- * Curvature. A place at distance d lies lower by curvature d² / 2 R, R being the ellipsoid's radius at the equator. 0: the earth is
- * flat; 1: it is round and has no air; 6/7: with the refraction that surveyors reckon with. */
+ * Curvature. A place at distance d lies lower by curvature d² / 2 R, R being the ellipsoid's radius at the equator. 0:
+ * the earth is flat; 1: it is round and has no air; 6/7: with the refraction that surveyors reckon with. */
 
 #ifndef CELLWALK_TERRAIN_H
 #define CELLWALK_TERRAIN_H
@@ -71,15 +71,15 @@ CW_API cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size
 /* A field on the earth. Immutable. It keeps the field, whose samples are not copied. */
 typedef struct cw_terrain cw_terrain;
 
-/* Nodes of cw_terrain_desc.scale: the first and the last ones stand at the corner samples, others at equal distances. */
+/* Nodes of cw_terrain_desc.scale: the first and the last stand at the corner samples, others at equal distances. */
 enum { CW_SCALE_ROWS = 65, CW_SCALE_COLUMNS = 9 };
 
 typedef struct cw_terrain_desc {
-    /* Its map leads to the map's x and y and to height, which is a positive multiple of the sample: map[0][2], map[1][2],
-     * map[2][0], map[2][1] and map[2][3] are 0. Must stay until cw_terrain_destroy. */
+    /* Its map leads to the map's x and y and to height, which is a positive multiple of the sample: map[0][2],
+     * map[1][2], map[2][0], map[2][1] and map[2][3] are 0. Must stay until cw_terrain_destroy. */
     const cw_field *field;
-    /* The point scale of a projected map: two positive numbers for each node, row by row, metres of ground in one of x and in one
-     * of y. They are interpolated by cubics. Copied. NULL: unit everywhere. Must be NULL if geographic. */
+    /* The point scale of a projected map: two positive numbers for each node, row by row, metres of ground in one of x
+     * and in one of y. They are interpolated by cubics. Copied. NULL: unit everywhere. Must be NULL if geographic. */
     const double *scale;
     /* Metres in one of x and y and of height; if geographic, radians in one of x and y. 0: a metre, a degree. */
     double unit;
@@ -113,12 +113,13 @@ typedef struct cw_light {
     uint64_t reserved[8]; /* 0 */
 } cw_light;
 
-/* lit: 1 where the middle of the light is seen, 0 where the terrain hides it or it is below a free horizon at the sample's height,
- * 255 at a hole. Rays start on the samples themselves; one that touches the surface is in the shadow. */
+/* lit: 1 where the middle of the light is seen, 0 where the terrain hides it or it is below a free horizon at the
+ * sample's height, 255 at a hole. Rays start on the samples; one that touches the surface is in shadow. */
 CW_API cw_status cw_shadow(const cw_terrain *terrain, const cw_run *run, const cw_light *light, cw_area area,
                            uint8_t *lit);
-/* share: of the light, 0 to 1; NaN at a hole. Each strip of the disc is cut exactly at the horizon along its middle line; one
- * that reaches the zenith is never hidden. Normals are Phong's (1975): the area-weighted mean of the triangles at the sample. */
+/* share: of the light, 0 to 1; NaN at a hole. Each strip of the disc is cut exactly at the horizon along its middle
+ * line; one that reaches the zenith is never hidden. Normals are Phong's (1975): the area-weighted mean of the
+ * triangles at the sample. */
 CW_API cw_status cw_sunlight(const cw_terrain *terrain, const cw_run *run, const cw_light *light, cw_area area,
                              float *share);
 
@@ -143,23 +144,23 @@ typedef struct cw_horizon {
 /* azimuths: of each direction, in degrees, less than a round from 0. */
 CW_API cw_status cw_horizon_azimuths(const cw_terrain *terrain, const cw_horizon *horizon, double *azimuths);
 
-/* degrees: the angle of the highest point of the terrain in direction number, from 0 to count - 1, over the level of the sample;
- * negative below it. On a map in degrees it is within 0.003 (1 + s) degrees, s being the steepest rise of the ground. metres: how
- * far that point is; the nearest of several. NaN at a hole, and where the terrain ends at the sample or nothing of it is within
- * max_distance. Either may be NULL. */
+/* degrees: the angle of the highest point of the terrain in direction number, from 0 to count - 1, over the level of
+ * the sample; negative below it. On a map in degrees it is within 0.003 (1 + s) degrees, s being the steepest rise of
+ * the ground. metres: how far that point is; the nearest of several. NaN at a hole, and where the terrain ends at the
+ * sample or nothing of it is within max_distance. Either may be NULL. */
 CW_API cw_status cw_horizon_angles(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon,
                                    uint32_t number, cw_area area, float *degrees, float *metres);
 
-/* share: of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over directions of cos² of the horizon's
- * angle, where that is above the level (ambient occlusion, open sky weighted by cosine; Steyn 1980). With CW_HORIZON_TILTED, that
- * reaches the ground as it leans (Dozier and Frew 1990); a free tilted plane has (1 + cos tilt) / 2, and the sum over few directions
- * may leave 0 to 1. NaN at a hole. */
+/* share: of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over directions of cos² of
+ * the horizon's angle, where that is above the level (ambient occlusion, open sky weighted by cosine; Steyn 1980). With
+ * CW_HORIZON_TILTED, that reaches the ground as it leans (Dozier and Frew 1990); a free tilted plane has
+ * (1 + cos tilt) / 2, and the sum over few directions may leave 0 to 1. NaN at a hole. */
 CW_API cw_status cw_sky_view(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon, cw_area area,
                              float *share);
 
-/* degrees: openness (Yokoyama, Shirasawa and Pike 2002), the mean over the directions in which there is terrain of the angle
- * between the zenith and the horizon: 90 on a plane, more on a summit. With CW_HORIZON_BELOW the negative one, between the nadir and
- * the lowest point: more at the bottom of a pit. NaN at a hole and where there is no terrain. */
+/* degrees: openness (Yokoyama, Shirasawa and Pike 2002), the mean over the directions in which there is terrain of the
+ * angle between the zenith and the horizon: 90 on a plane, more on a summit. With CW_HORIZON_BELOW the negative one,
+ * between the nadir and the lowest point: more at the bottom of a pit. NaN at a hole and where there is no terrain. */
 CW_API cw_status cw_openness(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon, cw_area area,
                              float *degrees);
 
@@ -195,9 +196,9 @@ typedef struct cw_view {
     uint64_t reserved[8]; /* 0 */
 } cw_view;
 
-/* Exact: for the samples, the eye and the target as numbers, each decision is that of real arithmetic; a line is blocked if it
- * touches or passes under an edge of the surface between eye and target, whatever it does within the first and the last triangle.
- * needed and angle are rounded. Terrain outside the limits hides targets too. */
+/* Exact: for the samples, the eye and the target as numbers, each decision is that of real arithmetic; a line is
+ * blocked if it touches or passes under an edge of the surface between eye and target, whatever it does within the
+ * first and the last triangle. needed and angle are rounded. Terrain outside the limits hides targets too. */
 CW_API cw_status cw_viewshed(const cw_terrain *terrain, const cw_run *run, const cw_observer *from, cw_area area,
                              const cw_view *view);
 
@@ -211,8 +212,8 @@ typedef struct cw_sight {
 enum {
     CW_SIGHT_BLOCKED = 0,
     CW_SIGHT_SEEN = 1,
-    /* The line cannot be: its end has no ground to stand on, is too far from the field to compute with, or is more than 1 mm under
-     * the ground. */
+    /* The line cannot be: its end has no ground to stand on, is too far from the field to compute with, or is more than
+     * 1 mm under the ground. */
     CW_SIGHT_NO_GROUND = 2,
     CW_SIGHT_TOO_FAR = 3,
     CW_SIGHT_UNDER_GROUND = 4

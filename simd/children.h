@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The 16 children of a node, or the 16 cells of a block: lane 4 y + x is the one in row y and column x.
  *
- * A ray goes through them along a monotone staircase. In walk order columns are numbered from where it enters if it goes up
- * in y, and else from where it leaves. So the nearest of some children is the lowest or the highest bit of their mask.
- * Descending takes that bit. Coming back up needs the rest of the mask, which is all the state of a level. Rejected: lanes in
- * walk order, but for the 16 of a ray alone (one_kernel.c, papers/walks.md). */
+ * A ray goes through them along a monotone staircase. In walk order columns are numbered from where it enters if it
+ * goes up in y, and else from where it leaves. So the nearest of some children is the lowest or the highest bit of
+ * their mask. Descending takes that bit. Coming back up needs the rest of the mask, which is all the state of a level.
+ * Rejected: lanes in walk order, but for the 16 of a ray alone (one_kernel.c, papers/walks.md). */
 #ifndef CELLWALK_SIMD_CHILDREN_H
 #define CELLWALK_SIMD_CHILDREN_H
 

@@ -12,10 +12,10 @@
  *
  * If clear holds at all levels k, k + 1, …, nothing lies beyond end(k), and the lowest such k gives the best end.
  *
- * Invariant: in a cell that the ray leaves after end, the gate's own monotone height function is above every sample from
- * end on. So a cell that is entered later fails the gate, and no hit changes. A cell that is entered before end has no hit
- * after it: the watertight test keeps the surface between the samples. All borders are compared by the gate's own
- * crossings, which are monotone. So it does not matter into which node rounding puts the ray's beginning
+ * Invariant: in a cell that the ray leaves after end, the gate's own monotone height function is above every sample
+ * from end on. So a cell that is entered later fails the gate, and no hit changes. A cell that is entered before end
+ * has no hit after it: the watertight test keeps the surface between the samples. All borders are compared by the
+ * gate's own crossings, which are monotone. So it does not matter into which node rounding puts the ray's beginning
  * (papers/numerics.md).
  *
  * No paper is known to us. Rejected: the global maximum, which is too loose a bound; a walk down the pyramid, which
@@ -85,8 +85,8 @@ static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l) {
     r->until = vf_select(holds, vf_min(r->until, end), r->until);
 }
 
-/* Shortens r->until of these packets' rays; c: one for each packet. All packets take one level together: within a packet each level depends
- * on the one above, and the CPU can overlap the packets. */
+/* Shortens r->until of these packets' rays; c: one for each packet. All packets take one level together: within a
+ * packet each level depends on the one above, and the CPU can overlap the packets. */
 static inline void climb(packet *packets, climber *c, packet_set which, const cw_field *f) {
     const struct cw_pyramid *p = f->pyramid;
     packet_set climbs = 0;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A fat ray: an interval for each number of some coherent rays of a tile, tested against 16 children or cells at once. So
- * opening a node costs 64 rays little more than one.
+/* A fat ray: an interval for each number of some coherent rays of a tile, tested against 16 children or cells at once.
+ * So opening a node costs 64 rays little more than one.
  *
- * Invariant: the fat ray uses interval arithmetic in the gate's own operations, in their order. Each of them is monotone in each
- * of its arguments, also after rounding. So its intervals enclose the numbers of each ray without padding, and no child that one
- * of the rays must visit is skipped. Visits are front to back for all rays of one direction quadrant. */
+ * Invariant: the fat ray uses interval arithmetic in the gate's own operations, in their order. Each is monotone in
+ * each of its arguments, also after rounding. So its intervals enclose the numbers of each ray without padding, and no
+ * child that a ray must visit is skipped. Visits are front to back for all rays of one direction quadrant. */
 #ifndef CELLWALK_SIMD_FAT_RAY_H
 #define CELLWALK_SIMD_FAT_RAY_H
 
@@ -25,8 +25,8 @@ enum { TILE = 64, PACKETS = TILE / W };
 /* For fewer rays than this, making a fat ray takes longer than it saves. */
 enum { SHARE_AT_LEAST = 4 };
 
-/* Greatest distance in cells between the origins of a tile that shares a walk and that of its first ray, along each axis. With
- * more, shadow rays lose time, as the tile falls apart at once. */
+/* Greatest distance in cells between the origins of a tile that shares a walk and that of its first ray, along each
+ * axis. With more, shadow rays lose time, as the tile falls apart at once. */
 enum { TILE_CELLS = 16 };
 
 static inline unsigned packet_bits(ray_set rays, size_t p) {
@@ -45,12 +45,12 @@ static inline int packets_of(ray_set rays) {
     return __builtin_popcountll((((rays & ~top) + ~top) | rays) & top);
 }
 
-/* Intervals over some rays, each number in all lanes: of centers the end for entry borders and that for exit borders. */
+/* Intervals over some rays, each number in all lanes: of centers the end for entry and that for exit borders. */
 typedef struct fat_axis {
     vfloat center_in, center_out, inverse_low, inverse_high;
 } fat_axis;
 
-/* Whole cache lines: of another size, it moves other arrays of the stack to where stores and loads collide (papers/walks.md). */
+/* Whole cache lines: another size moves other stack arrays to where stores and loads collide (papers/walks.md). */
 typedef struct fat_ray {
     alignas(64) fat_axis x;
     fat_axis y;
@@ -147,7 +147,7 @@ static inline vfloat fat_out(const fat_axis *a, vfloat border) {
     return vf_max(vf_mul(far, a->inverse_low), vf_mul(far, a->inverse_high));
 }
 
-/* Of lanes k W and on of 16 places of that side, from corner (x, y) on, those in which some ray may meet heights in [low, high]. */
+/* Lanes k W and on of 16 places of that side, from corner (x, y) on, where a ray may meet heights in [low, high]. */
 static inline vmask fat_meets(const fat_ray *a, vfloat x, vfloat y, vfloat side, size_t k, vfloat low, vfloat high) {
     const bool up_x = a->q.up_x, up_y = a->q.up_y;
     const vfloat enter_x = vf_add(x, vf_mul(vf_load(lane_x[!up_x] + k * COLUMNS_STEP), side));

@@ -21,7 +21,7 @@ typedef struct packet {
     vmask alive; /* still walking */
     vmask found;
     found_hits hit; /* of the lanes in found; undefined if there are none, and for any-hit queries */
-    /* Constants of the ray: borders by which it leaves a cell as offsets from its low corner; steps in cells and in samples. */
+    /* Constants of the ray: exit borders as offsets from a cell's low corner; steps in cells and in samples. */
     vfloat x_out, y_out, x_step, y_step;
     vint samples_x, samples_y;
 } packet;
@@ -73,7 +73,7 @@ static inline void flat_start(packet *l, const cw_field *f) {
         vi_add(vi_mul(vi_from_vf(vf_select(l->alive, c->j, zero)), row), vi_from_vf(vf_select(l->alive, c->i, zero)));
 }
 
-/* Stores the finds of the lanes in now, in cell c. If first is set, no lane has had one before, and h may be undefined. */
+/* Stores the finds of the lanes in now, in cell c. If first is set, no lane has had one yet, and h may be undefined. */
 static inline void keep_hits(found_hits *h, bool first, vmask now, const vfind *find, const vcell *c) {
     const vfloat corner = vf_select(find->b, c->h01, c->h10);
     if (first) {

@@ -122,7 +122,7 @@ CW_INLINE void scan(group *g, const cw_crossing *from, const cw_crossing *end, b
     }
 }
 
-/* W samples of row j from column i on, and any numbers outside the row. Gaps between rows belong to others and are not read. */
+/* W samples of row j from column i on, outside it any numbers. Gaps between rows belong to others and are not read. */
 static inline vfloat load_around(const cw_field *f, int32_t j, int32_t i) {
     const ptrdiff_t gaps = (ptrdiff_t)(f->stride - f->nx), nx = (ptrdiff_t)f->nx,
                     end = gaps ? nx : nx * ((ptrdiff_t)f->ny - j);
@@ -279,8 +279,8 @@ static inline void finish(const group *g, const cw_heading_job *job, size_t i0, 
     }
 }
 
-/* cw_heading1, cw_heading4, cw_heading8 or cw_heading16. Rejected: a copy of the walk for each kind of query, which is three times
- * the text and no faster. */
+/* cw_heading1, cw_heading4, cw_heading8 or cw_heading16. Rejected: a copy of the walk for each kind of query, which is
+ * three times the text and no faster. */
 void CW_CODE(heading)(const cw_heading_job *job, size_t i_begin, size_t i_end, size_t j_begin, size_t j_end) {
     const bool any = job->occluded != NULL, ends = any || job->high < INFINITY;
     const cw_heading *h = job->heading;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The data of the lane walk: rays queued by the tiles, rays in its lanes, and their answers. Tiles have vectors of one register.
- * The lane walk has two, but for its last rays (lane_walk.h). */
+/* The data of the lane walk: rays queued by the tiles, rays in its lanes, and their answers. Tiles have vectors of one
+ * register. The lane walk has two, but for its last rays (lane_walk.h). */
 #ifndef CELLWALK_SIMD_LANE_QUEUE_H
 #define CELLWALK_SIMD_LANE_QUEUE_H
 

@@ -30,8 +30,8 @@ static inline void mirror_axis(float f[RAY_AXIS][W], int32_t turned[W], const va
     vi_store(turned, vi_select(a->up, vi_set(0), vi_set(-1)));
 }
 
-/* Makes W rays ready for walks: those of packet p of the present tile, number first_packet + p of the queue. Called only for rays
- * that go on alone, which saves more instructions for coherent rays than it costs for the others. */
+/* Makes W rays ready for walks: those of packet p of the present tile, number first_packet + p of the queue. Called
+ * only for rays that go on alone, which saves more instructions for coherent rays than it costs for the others. */
 CW_INLINE void mirror_packet(lane_queue *q, size_t first_packet, size_t p, const vray *r, const cw_field *f) {
     if (q->mirrored >> p & 1) return;
     q->mirrored |= (uint64_t)1 << p;

@@ -108,7 +108,7 @@ typedef struct lane_state {
     vint level;   /* 0 for cells; side 4^level */
     vmask alive;
     int waited; /* lanes that waited at cells a step ago; 0 after a leaf test */
-    /* Lanes that have ended with a find, its t in t and leave, which no step changes as t <= leave; those of them in triangle B. */
+    /* Lanes that ended with a find, its t in t and leave, which no step changes as t <= leave; those in triangle B. */
     unsigned found, in_b;
 } lane_state;
 
@@ -172,8 +172,8 @@ CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][SLOTS], vint turned) {
     a->up = vi_eq(turned, vi_set(0));
 }
 
-/* Tests the cells at which lanes wait; returns the lanes that hit. Their finds stay in the lanes until these are refilled. Rejected:
- * to take them out at once (papers/walks.md). */
+/* Tests the cells at which lanes wait; returns the lanes that hit. Their finds stay in the lanes until these are
+ * refilled. Rejected: to take them out at once (papers/walks.md). */
 CW_INLINE vmask lane_leaf(lane_state *s, lane_rays *rays, const cw_field *f, const lane_axis axis[2], vmask waits) {
     const vint turned_x = vi_load(rays->i[RAY_TURNED_X]), turned_y = vi_load(rays->i[RAY_TURNED_Y]);
     const vint i = vi_xor(s->x, turned_x), j = vi_xor(s->y, turned_y);
@@ -298,8 +298,8 @@ CW_INLINE void lane_advance(lane_state *s, lane_rays *rays, const lane_axis axis
 }
 
 /* One step of every living lane, except those that wait at a cell. Level 0 here is cells; level l + 1 is the pyramid's
- * level l. Unless no lane can move, the step before decides whether cells are tested, so the CPU knows it early. Rejected:
- * this step, which ends late (papers/walks.md). */
+ * level l. Unless no lane can move, the step before decides whether cells are tested, so the CPU knows it early.
+ * Rejected: this step, which ends late (papers/walks.md). */
 CW_INLINE void lane_step(lane_state *s, lane_rays *rays, const cw_field *f) {
     const vfloat side = vf_power_of_2(vi_add(s->level, s->level));
     const lane_axis axis[2] = {look_along(rays->f, s->x, side), look_along(rays->f + RAY_AXIS, s->y, side)};
@@ -318,8 +318,8 @@ CW_INLINE void lane_step(lane_state *s, lane_rays *rays, const cw_field *f) {
     lane_advance(s, rays, axis, out, moves);
 }
 
-/* A ray that has kept its lane for 2^LATE_SHIFT steps is late; LOOK_AFTER: steps from one look for such rays to the next.
- * A step takes as long for FEW lanes as for all, so if no more rays than that are left, these numbers are smaller. */
+/* A ray that has kept its lane for 2^LATE_SHIFT steps is late; LOOK_AFTER: steps from one look for such rays to the
+ * next. A step takes as long for FEW lanes as for all, so if at most FEW rays are left, these numbers are smaller. */
 enum { LATE_SHIFT = 7, LOOK_AFTER = 128 };
 enum { FEW = LANES / 4, LATE_SHIFT_OF_FEW = 5, LOOK_AFTER_OF_FEW = 32 };
 

@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One ray over the pyramid, for calls of few rays, and for rays that keep a lane for long (lane_walk.h). Lanes are places: the
- * 16 children of a node, or the 16 cells of a block, are tested at once (children.h), by the gate's own operations. So a level
- * costs one chain of operations and one branch that is hard to foretell. With 16 lanes, opening a node has no branch that depends on
- * the ray's quadrant, which is as good as random.
+/* One ray over the pyramid, for calls of few rays, and for rays that keep a lane for long (lane_walk.h). Lanes are
+ * places: the 16 children of a node, or the 16 cells of a block, are tested at once (children.h), by the gate's own
+ * operations. So a level costs one chain of operations and one branch that is hard to foretell. With 16 lanes, opening
+ * a node has no branch that depends on the ray's quadrant, which is as good as random.
  *
- * The walk opens a node: it finds the children that the ray meets. It goes down into the nearest, and up when none is left. If
- * the ray begins near the ground, the walk begins at its block: mostly no node above need be opened, and those that must be do
- * not depend on each other. Else it begins at the top, as do rays that enter the field from outside.
+ * The walk opens a node: it finds the children that the ray meets. It goes down into the nearest, and up when none is
+ * left. If the ray begins near the ground, the walk begins at its block: mostly no node above need be opened, and those
+ * that must be do not depend on each other. Else it begins at the top, as do rays that enter the field from outside.
  *
  * A ray that opens many nodes runs beside a surface as a rule, nearer than bounds can tell. Then nodes above blocks are
- * also judged by slabs, in double, which are wider than their samples only by what the leaf test's own rounding needs this far from the ray's
- * origin.
+ * also judged by slabs, in double, which are wider than their samples only by what the leaf test's own rounding needs
+ * this far from the ray's origin.
  *
- * Invariant: at each level what the ray meets is opened from front to back, and all before the first node opened is behind the
- * ray, so the first cell found is the first one hit. A slab passes over a node only if the leaf test's sign is strict on all of
- * it; papers/numerics.md derives how wide it has to be for that. Rejected: slabs for each ray, which take longer than the nodes
- * that they save; all lanes on the columns of a ray that is beside a surface; fewer than 16 lanes in walk order, crossings of
- * children carried down, or computed a level ahead (papers/walks.md). */
+ * Invariant: at each level what the ray meets is opened from front to back, and all before the first node opened is
+ * behind the ray, so the first cell found is the first one hit. A slab passes over a node only if the leaf test's sign
+ * is strict on all of it; papers/numerics.md derives how wide it has to be for that. Rejected: slabs for each ray,
+ * which take longer than the nodes that they save; all lanes on the columns of a ray that is beside a surface; fewer
+ * than 16 lanes in walk order, crossings of children carried down, or computed a level ahead (papers/walks.md). */
 
 #include "../src/scalar/refine.h"
 #include "children.h"
@@ -29,12 +29,12 @@
 #include <float.h>
 #include <string.h>
 
-/* See falls_soon. Rays that begin at most LOW_HEIGHT above or below a sample of their cell begin their walk at its block. After OPENS
- * nodes slabs judge nodes too. All three were measured. */
+/* See falls_soon. Rays that begin at most LOW_HEIGHT above or below a sample of their cell begin their walk at its
+ * block. After OPENS nodes slabs judge nodes too. All three were measured. */
 enum { SOON_CELLS = 8, LOW_HEIGHT = 8, OPENS = 48 };
 
-/* A cell's row in the upper 32 bits, its column in the lower; or none. One number: of two, GCC makes two stores and one load, which waits
- * for both. */
+/* A cell's row in the upper 32 bits, its column in the lower; or none. One number: of two, GCC makes two stores and one
+ * load, which waits for both. */
 typedef int64_t one_cell;
 enum { NO_CELL = -1 };
 
@@ -46,8 +46,8 @@ typedef struct child_borders {
     float in_x[CHILDREN], in_y[CHILDREN], out_x[CHILDREN], out_y[CHILDREN];
 } child_borders;
 
-/* in_place: lanes are children. on_way: lane k is child[k], rows too being numbered from where the ray enters, so that the nearest of
- * some is the lowest bit of their mask. Rejected: to compute these for each ray (papers/walks.md). */
+/* in_place: lanes are children. on_way: lane k is child[k], rows too being numbered from where the ray enters, so that
+ * the nearest of some is the lowest bit of their mask. Rejected: to compute these for each ray (papers/walks.md). */
 typedef struct walk_order {
     child_borders in_place, on_way;
     int32_t child[CHILDREN];
@@ -74,8 +74,8 @@ static const walk_order orders[4] = {
 #undef COLUMNS
 #undef ROWS
 
-/* Crossings with the borders of lanes k and on, of node (x, y), whose children have that side. A border is a side, which is
- * a power of two, times a number below 2^24: nothing rounds it. */
+/* Crossings with the borders of lanes k and on, of node (x, y), whose children have that side. A border is a side,
+ * which is a power of two, times a number below 2^24: nothing rounds it. */
 CW_INLINE void cross_children(const vray *r, const child_borders *b, size_t k, ptrdiff_t x, ptrdiff_t y, float side,
                               vcell *c) {
     const vfloat s = vf_set(side), low_x = vf_set((float)(int32_t)(4 * x)), low_y = vf_set((float)(int32_t)(4 * y));
@@ -145,7 +145,7 @@ CW_INLINE one_cell test_block(const one_ray *one, const vray *r, quadrant q, con
     return NO_CELL;
 }
 
-/* True if the ray hits nothing in node (x, y) of a level. Not inlined: else its inputs stay live through the whole walk. */
+/* True if the ray hits nothing in node (x, y) of a level. Not inlined: else its inputs stay live for the whole walk. */
 static __attribute__((noinline)) bool slab_misses(const one_ray *r, const cw_field *f, int level, int32_t x,
                                                   int32_t y) {
     const struct cw_pyramid *p = f->pyramid;
@@ -168,8 +168,8 @@ static __attribute__((noinline)) bool slab_misses(const one_ray *r, const cw_fie
     const double px = (double)r->org[0] - (corner[0] + half), py = (double)r->org[1] - (corner[1] + half);
     const double steep = fabs(a) + fabs(b), sigma = steep + (high - low),
                  absolute = max_second_d(fabs(low), fabs(high));
-    /* Slabs with a slope have been set outward for rays from anywhere (cw_slab_outward). That is taken back, and replaced by
-     * the width that this ray needs here. */
+    /* Slabs with a slope have been set outward for rays from anywhere (cw_slab_outward). That is taken back, and
+     * replaced by the width that this ray needs here. */
     const double k = (double)SLAB_ROUNDING * 2 * (double)(f->nx + f->ny);
     const double wide = steep > 0 ? k / (1 + 2 * k) * (1 - 0x1p-20) * max_second_d(0, sigma - 2 * u * absolute) : 0;
     const double away = fabs(px) + fabs(py) + 2 * half + 2;
@@ -182,8 +182,8 @@ static __attribute__((noinline)) bool slab_misses(const one_ray *r, const cw_fie
     return min_second_d(d0, d1) > high + pad || max_second_d(d0, d1) < low - pad;
 }
 
-/* From start on, or from the top if that is NULL. opened: how many nodes count as opened before. up and the last seven are members of one,
- * in registers: loads would wait for their stores. */
+/* From start on, or from the top if that is NULL. opened: how many nodes count as opened before. up and the last seven
+ * are members of one, in registers: loads would wait for their stores. */
 static __attribute__((noinline)) one_cell walk_one(const cw_field *f, const one_ray *one, const one_start *start,
                                                    unsigned up, int opened, strict_find *found, quarter org,
                                                    quarter dir, quarter center, quarter inverse, float t0, float t1,

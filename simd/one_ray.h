@@ -78,7 +78,7 @@ CW_INLINE ray_start start_of_one(const one_ray *r, const cw_field *f, const cw_r
     return s;
 }
 
-/* Where a ray begins: its cell or, of cells that it crosses, an earlier one, and its height above a sample of that cell. */
+/* Where a ray begins: its cell, or an earlier one that it crosses, and its height above a sample of that cell. */
 typedef struct one_start {
     int32_t i, j;
     float height;

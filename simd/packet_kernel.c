@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The packet kernels: W rays in the flat walk (flat_walk.h) until the last one has ended. Rejected: vectors of two registers, from
- * which this walk gains nothing. */
+/* The packet kernels: W rays in the flat walk (flat_walk.h) until the last one has ended. Rejected: vectors of two
+ * registers, from which this walk gains nothing. */
 
 #include "flat_walk.h"
 #include "kernels.h"
 
 #include <string.h>
 
-/* Below SHORT_CELLS cells calls of few rays take less time from cell to cell than over the pyramid, for which rays must be queued. */
+/* Below SHORT_CELLS cells, a few rays take less time from cell to cell than over the pyramid, where they are queued. */
 enum { SHORT_CELLS = 32, SHORT_TURNS = 40 };
 
-/* True if some ray, in its first cell, seems to cross more cells. guessed: rays that seem short only because they soon fall to the height of
- * that cell's first sample. As the ground may fall away, they get a nearer end; one that finds nothing before it has no answer yet.
- * Rejected: the slab of the 16 × 16 cells below, more often right but one more miss of the cache. */
+/* True if a ray, in its first cell, seems to cross more cells. guessed: rays that seem short only because they soon
+ * fall to the height of that cell's first sample. As the ground may fall away, they get a nearer end; finding nothing
+ * before it is no answer yet. Rejected: the slab of 16 × 16 cells below, more often right but one more cache miss. */
 CW_INLINE bool some_are_long(packet *l, const cw_field *f, vmask *guessed) {
     vray *r = &l->r;
     const vfloat speed = vf_add(vf_abs(r->x.dir), vf_abs(r->y.dir)), most = vf_set(SHORT_CELLS);

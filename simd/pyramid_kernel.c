@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The pyramid kernels: the choice of a walk for each ray. Tiles of 64 rays are made ready W at a time. A coherent
- * tile shares its walk (shared_walk.h). The walks of other rays end where
- * they climb out of the terrain (climb.h). A few steps of the flat walk finish the short ones (flat_walk.h),
- * and the rest is queued for the lane walk (lane_walk.h). Invariant: the choice of a walk never changes a hit, since every walk
- * visits each cell that passes the gate. Paper: Tevs, Ihrke and Seidel 2008, with four children a node; here there are sixteen. */
+ * tile shares its walk (shared_walk.h). The walks of other rays end where they climb out of the terrain (climb.h). A
+ * few steps of the flat walk finish the short ones (flat_walk.h), and the rest is queued for the lane walk
+ * (lane_walk.h). Invariant: the choice of a walk never changes a hit, since every walk visits each cell that passes the
+ * gate. Paper: Tevs, Ihrke and Seidel 2008, with four children a node; here there are sixteen. */
 
 #include "climb.h"
 #include "kernels.h"
@@ -18,8 +18,8 @@
 enum { FLAT_STEPS = 4 };
 
 /* Climb and flat steps for the rays of w in these packets, which share no walk; queues those that go on. The packets
- * climb together and step together, and all pass their gates before the first leaf test, since each alone is one chain of dependent
- * operations. Rejected, as slower: one packet after another. */
+ * climb together and step together, and all pass their gates before the first leaf test, since each alone is one chain
+ * of dependent operations. Rejected, as slower: one packet after another. */
 CW_INLINE void walk_apart(tile_walk *w, climber *climbers, packet_set apart, bool any) {
     const cw_field *f = w->f;
     climb(w->packets, climbers, apart, f);
@@ -137,8 +137,8 @@ static inline void close_up(lane_set *l) {
     }
 }
 
-/* lane_walk in vectors of two registers until one can hold the rest, and empties the queue. Rejected: two to the end, which
- * slow calls of few rays down (papers/walks.md). */
+/* lane_walk in vectors of two registers until one can hold the rest, and empties the queue. Rejected: two to the end,
+ * which slow calls of few rays down (papers/walks.md). */
 CW_INLINE void walk_alone(const cw_field *f, lane_queue *queue, lane_set *l, bool more, lane_answers *answers) {
     if (SLOTS > W) {
         const size_t rays = (size_t)__builtin_popcount(l->living) + queue->n;
@@ -153,8 +153,8 @@ CW_INLINE void walk_alone(const cw_field *f, lane_queue *queue, lane_set *l, boo
     queue->n = 0;
 }
 
-/* Closest hits, or any hits; the other array is NULL. Rays are numbered from the beginning of their run. One function for
- * both: a copy for each is twice the text and no faster. */
+/* Closest hits, or any hits; the other array is NULL. Rays are numbered from the beginning of their run. One function
+ * for both: a copy for each is twice the text and no faster. */
 CW_ONE_COPY static void pyramid_rays(const tile_room *room, const cw_field *f, const cw_ray *rays, size_t n, bool any,
                                      cw_hit *hits, uint8_t *occluded) {
     lane_queue *const queue = room->queue;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The shared walk of coherent rays. A tile of 64 rays goes through the pyramid as one fat ray (fat_ray.h). At a block each
- * ray is tested against the block's bounds. Then each packet takes the block's cells, broadcast, with the rays in lanes: first
- * all gates, then the leaf tests. Where the rays diverge, the tile falls apart: those that cross the node are queued for the
- * lane walk, which begins at that node (lane_walk.h).
+/* The shared walk of coherent rays. A tile of 64 rays goes through the pyramid as one fat ray (fat_ray.h). At a block
+ * each ray is tested against the block's bounds. Then each packet takes the block's cells, broadcast, with the rays in
+ * lanes: first all gates, then the leaf tests. Where the rays diverge, the tile falls apart: those that cross the node
+ * are queued for the lane walk, which begins at that node (lane_walk.h).
  *
- * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where smaller beams begin), Boulos, Wald and Shirley 2006 and
- * Wald et al. 2006 (interval and frustum traversal of grids by packets). Rejected: testing every ray against every child. At
- * each level that costs as much for each vector of rays as the fat ray costs once. */
+ * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where smaller beams begin), Boulos, Wald and Shirley
+ * 2006 and Wald et al. 2006 (interval and frustum traversal of grids by packets). Rejected: testing every ray against
+ * every child. At each level that costs as much for each vector of rays as the fat ray costs once. */
 #ifndef CELLWALK_SIMD_SHARED_WALK_H
 #define CELLWALK_SIMD_SHARED_WALK_H
 
@@ -22,8 +22,8 @@ typedef struct block_cells {
     uint16_t gates[PACKETS][CHILDREN]; /* and these rays, a bit each */
 } block_cells;
 
-/* Finds which rays of packet p pass the gate of which cell. All gates of a block come before its first leaf test: they need no
- * branch, and which cells must be tested is then known early. Rejected: each gate before its test (papers/walks.md). */
+/* Finds which rays of packet p pass the gate of which cell. All gates of a block precede its first leaf test: they need
+ * no branch, and the cells to test are then known early. Rejected: each gate before its test (papers/walks.md). */
 CW_INLINE void packet_gates(block_cells *b, quadrant q, const vray *r, size_t p, unsigned among) {
     vfloat bx[5], by[5]; /* rejected: those of each gate anew (papers/walks.md) */
     for (int k = 0; k < 5; k++) {
@@ -44,8 +44,8 @@ CW_INLINE void packet_gates(block_cells *b, quadrant q, const vray *r, size_t p,
     b->meet[p] = meet;
 }
 
-/* Returns packet p's rays that have their first hits in the block. Rejected: all packets in one cell after another, since a ray then
- * leaves the registers from cell to cell. */
+/* Returns packet p's rays that have their first hits in the block. Rejected: all packets in one cell after another,
+ * since a ray then leaves the registers from cell to cell. */
 CW_INLINE unsigned packet_finds(const block_cells *b, quadrant q, packet *l, size_t p, bool any) {
     const vray *r = &l->r;
     unsigned found = 0;
@@ -85,9 +85,9 @@ typedef struct tile_walk {
     fat_ray fat;  /* of them */
 } tile_walk;
 
-/* A tile falls apart at a block in which cells to be tested times packets are at least FALL_APART times its rays, and at a node of
- * which more than CHILDREN_AT_MOST children must be visited. Rejected: groups of 16, which go on together from there
- * (papers/walks.md). */
+/* A tile falls apart at a block in which cells to be tested times packets are at least FALL_APART times its rays, and
+ * at a node of which more than CHILDREN_AT_MOST children must be visited. Rejected: groups of 16, which go on together
+ * from there (papers/walks.md). */
 enum { FALL_APART = 5, CHILDREN_AT_MOST = 8 };
 
 /* Queues those of the rays that cross the given node of the pyramid for the lane walk. */

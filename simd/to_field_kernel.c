@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays from user space to field space. A vector holds x, y, z of a point and one end of the ray's range, which is the layout of
- * both kinds of rays in memory; compilers split it where registers are narrower. The sums are those of affine.h, in the same
+/* Rays from user space to field space. A vector holds x, y, z of a point and one end of the ray's range, the layout of
+ * both kinds of rays in memory; compilers split it for narrower registers. The sums are those of affine.h, in the same
  * order. Rejected: loops over x, y and z, which GCC 12 does not vectorise and which take twice as long with AVX2. */
 #include "kernels.h"
 #include "vocabulary.h"

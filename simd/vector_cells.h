@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays and cells, one of each a lane; and the gate, which selects the cells to be tested: src/scalar/strict.h, operation by
- * operation. */
+/* Rays and cells, one of each a lane; and the gate, which selects the cells to be tested: src/scalar/strict.h,
+ * operation by operation. */
 #ifndef CELLWALK_SIMD_VECTOR_CELLS_H
 #define CELLWALK_SIMD_VECTOR_CELLS_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Möller and Trumbore 1997 on a cell a lane, with one ray each, operation by operation as in src/scalar/moller_trumbore.h. The
- * edges' zeros and ones are constants; products with 0 are left out in both files. */
+/* Möller and Trumbore 1997 on a cell a lane, with one ray each, operation by operation as in
+ * src/scalar/moller_trumbore.h. The edges' zeros and ones are constants; products with 0 are left out in both files. */
 #ifndef CELLWALK_SIMD_VECTOR_MOLLER_TRUMBORE_H
 #define CELLWALK_SIMD_VECTOR_MOLLER_TRUMBORE_H
 

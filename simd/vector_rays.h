@@ -97,8 +97,8 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
     return hopeful;
 }
 
-/* Moves those rays among alive that are far away; returns those that may hit. If any is moved, *moved is set as a whole, and
- * of *s only moved, origins and ends. So *s stays in registers: its address is not taken, and directions do not change. */
+/* Moves the far rays among alive; returns the rays that may hit. If any is moved, *moved is set as a whole, and of *s
+ * only moved, origins and ends. So *s stays in registers: its address is not taken, and directions do not change. */
 CW_INLINE vmask move_if_far(vstart *s, const cw_field *f, vmask alive, vstart *moved) {
     const vmask far = vm_and(alive, is_far(f, s->org));
     if (!vm_any(far)) return alive;
@@ -117,8 +117,8 @@ CW_INLINE vmask move_if_far(vstart *s, const cw_field *f, vmask alive, vstart *m
     return vm_and(alive, hopeful);
 }
 
-/* ray_init, lane by lane, from the numbers of rays; returns the lanes whose rays may hit. *moved: see move_if_far. Mostly all rays are
- * plain, which takes fewer operations to see than to do without branches all that others need. */
+/* ray_init, lane by lane, from the numbers of rays; returns the lanes whose rays may hit. *moved: see move_if_far.
+ * Mostly all rays are plain, which takes fewer operations to see than to do without branches all that others need. */
 CW_INLINE vmask start_rays(vstart *s, const cw_field *f, const vfloat c[8], vstart *moved) {
     const vfloat zero = vf_set(0), least = vf_set(0x1p-128f), most = vf_set(0x1p126f);
     vmask plain = vm_set(true);
@@ -201,9 +201,9 @@ CW_INLINE vfloat make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
     return inverse;
 }
 
-/* Returns the lanes that may hit. Unless cut is set, rays are not cut by make_slab if all begin over the field and none behind
- * its origin: a walk together does not need that. Of others, intervals would be too wide, or begin below 0. *start is set
- * only if r->moved, for refine_hits. */
+/* Returns the lanes that may hit. Unless cut is set, rays are not cut by make_slab if all begin over the field and none
+ * behind its origin: a walk together does not need that. Of others, intervals would be too wide, or begin below 0.
+ * *start is set only if r->moved, for refine_hits. */
 CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, bool cut, vstart *start) {
     vfloat c[8];
     vstart s;

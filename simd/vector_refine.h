@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Turns the finds of leaf tests into hits: src/scalar/refine.h, operation by operation, where the reason is. Done once a hit,
- * after all lanes of a packet have ended, so that as many lanes as possible are in use. */
+/* Turns the finds of leaf tests into hits: src/scalar/refine.h, operation by operation, where the reason is. Done once
+ * a hit, after all lanes of a packet have ended, so that as many lanes as possible are in use. */
 #ifndef CELLWALK_SIMD_VECTOR_REFINE_H
 #define CELLWALK_SIMD_VECTOR_REFINE_H
 

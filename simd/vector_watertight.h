@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The watertight leaf test on a cell a lane, with one ray each, operation by operation as in src/scalar/watertight.h. Idea,
- * invariant and the rejected alternative are there. Lanes differ in the borders by which they enter and leave, so each choice
- * is a select. */
+/* The watertight leaf test on a cell a lane, with one ray each, operation by operation as in src/scalar/watertight.h.
+ * Idea, invariant and the rejected alternative are there. Lanes differ in the borders by which they enter and leave, so
+ * each choice is a select. */
 #ifndef CELLWALK_SIMD_VECTOR_WATERTIGHT_H
 #define CELLWALK_SIMD_VECTOR_WATERTIGHT_H
 
@@ -22,8 +22,8 @@ typedef struct vwt {
     vfloat h00, h10, h01, h11;
 } vwt;
 
-/* The height difference at t on the borders by which the lanes enter, or by which they leave: x borders in these lanes, else y
- * borders; on their cells' high sides in high. */
+/* The height difference at t on the borders by which the lanes enter, or by which they leave: x borders in these lanes,
+ * else y borders; on their cells' high sides in high. */
 CW_INLINE vfloat wt_border(const vwt *r, vfloat t, vmask x, vmask high) {
     const vfloat from = vf_select(x, r->y, r->x), dir = vf_select(x, r->dy, r->dx);
     /* Samples at the ends of the edge, in the order of the axis along it. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The vector vocabulary for AVX-512 (F, VL, DQ, BW): 16 lanes, masks in mask registers. Meanings are in vec_scalar.h. */
+/* The vector vocabulary for AVX-512 (F, VL, DQ, BW): 16 lanes, masks in mask registers. Meanings: vec_scalar.h. */
 #ifndef CELLWALK_SIMD_VEC_AVX512_H
 #define CELLWALK_SIMD_VEC_AVX512_H
 
@@ -21,7 +21,7 @@ static inline int_reg ri_select(mask_reg m, int_reg a, int_reg b) {
 static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b) {
     return (double_reg){_mm512_mask_blend_pd((__mmask8)(m.v >> 8 * k), b.v, a.v)};
 }
-/* Fused: an exact product does not show it. The rounding is named for the test symbols, which lets no other operation be fused. */
+/* Fused: an exact product does not show it. Rounding is named for the test symbols, which allows no other fusion. */
 static inline float_reg rf_mul_sub(float_reg a, float_reg b, float_reg c) {
     return (float_reg){_mm512_fmsub_round_ps(a.v, b.v, c.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC)};
 }
@@ -35,7 +35,7 @@ static inline int_reg ri_lookup(const table_entry table[16], int_reg k) {
 static inline mask_reg rm_set(bool a) { return (mask_reg){(lane_mask)(a ? 0xffff : 0)}; }
 static inline mask_reg rm_from_bits(unsigned bits) { return (mask_reg){(lane_mask)bits}; }
 static inline bool rm_any(mask_reg a) { return a.v != 0; }
-/* In another register, or compilers make the AND of two such from comparisons of which the second waits for the first. */
+/* In another register, or compilers make the AND of two such from comparisons, and the second waits for the first. */
 static inline unsigned rm_bits(mask_reg a) {
     unsigned bits = a.v;
     __asm__("" : "+r"(bits));

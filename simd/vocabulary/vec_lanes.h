@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What all vec_*.h have in common, included once W is defined: types, and words that compilers express in every instruction set, by
- * operators of C on vectors and by shuffles within quarters, four lanes each. Of those for W > 1, vec_scalar.h has the meaning, but for rf_mul_sub, explained here. */
+/* For all vec_*.h, once W is defined: types, and words that compilers express in all instruction sets, by C operators
+ * on vectors and by shuffles within quarters, four lanes each. Meanings for W > 1: vec_scalar.h, but for rf_mul_sub. */
 #ifndef CELLWALK_SIMD_VEC_LANES_H
 #define CELLWALK_SIMD_VEC_LANES_H
 
@@ -17,8 +17,8 @@
 #define REGISTERS 1
 #endif
 
-/* For bodies that take constant arguments (leaf test, kind of query) or a ray by pointer: unless it is inlined, a compiler
- * keeps the choice at run time and writes the ray's sixteen vectors to the stack for the call. */
+/* For bodies that take constant arguments (leaf test, kind of query) or a ray by pointer: unless it is inlined, a
+ * compiler keeps the choice at run time and writes the ray's sixteen vectors to the stack for the call. */
 #define CW_INLINE static inline __attribute__((always_inline))
 
 /* For bodies of which one copy serves all callers, whatever constants they pass. */
@@ -133,8 +133,8 @@ static inline mask_reg rm_from_bits(unsigned bits) {
 static inline int_reg ri_where(mask_reg m, int_reg a) { return (int_reg){a.v & m.v}; }
 #endif
 
-/* Lanes one by one, those outside m as 0; none is negative. Two at a time, which halves the number of extractions. (GCC builds an
- * array of all in memory, and loads then wait for it.) */
+/* Lanes one by one, those outside m as 0; none is negative. Two at a time, which halves the number of extractions. (GCC
+ * builds an array of all in memory, and loads then wait for it.) */
 typedef struct lane_indices {
     uint32_t k[W];
 } lane_indices;

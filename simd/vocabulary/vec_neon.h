@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The vector vocabulary for NEON of aarch64: 4 lanes, masks as all-ones lanes. Meanings are in vec_scalar.h.
  *
- * Minima and maxima are a comparison and a selection: FMIN yields NaN where either operand is one, FMINNM the other operand,
- * and both order zeros by sign; the vocabulary's yield the second operand in all these cases.
+ * Minima and maxima are a comparison and a selection: FMIN yields NaN where either operand is one, FMINNM the other
+ * operand, and both order zeros by sign; the vocabulary's yield the second operand in all these cases.
  *
- * Rejected: vec_sse42.h through SIMDe. It takes more instructions a ray (papers/arm.md), as SSE tells masks by their sign bits
- * alone and has no shift by a vector and no lookup in 64 bytes. */
+ * Rejected: vec_sse42.h through SIMDe. It takes more instructions a ray (papers/arm.md), as SSE tells masks by their
+ * sign bits alone and has no shift by a vector and no lookup in 64 bytes. */
 #ifndef CELLWALK_SIMD_VEC_NEON_H
 #define CELLWALK_SIMD_VEC_NEON_H
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The vector vocabulary one lane wide, in plain C. Tests compare the other vocabularies with it, and CPUs without
  * SSE4.2 run it. It also documents the vocabulary: every vec_*.h has the same names with the same meaning, lane by
- * lane, bit for bit. Words that are operators of C (vf_add, vi_and, vf_lt …) are in vocabulary.h, some for all in vec_lanes.h.
+ * lane, bit for bit. Operators of C (vf_add, vi_and, vf_lt …) are in vocabulary.h, some words for all in vec_lanes.h.
  *
- * float_reg, int_reg and mask_reg are three distinct types, so that a mask cannot be used as a number by mistake. Arithmetic
- * is IEEE, rounded once an operation. Comparisons are false on NaN. */
+ * float_reg, int_reg and mask_reg are three distinct types, so that a mask cannot be used as a number by mistake.
+ * Arithmetic is IEEE, rounded once an operation. Comparisons are false on NaN. */
 #ifndef CELLWALK_SIMD_VEC_SCALAR_H
 #define CELLWALK_SIMD_VEC_SCALAR_H
 
@@ -85,8 +85,8 @@ CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
     for (int k = 0; k < 16; k++) out[k] = a[k].v;
 }
 
-/* Doubles, for numbers that are computed once a ray or once a hit. One register of them, or two if W > 1, has the lanes of one of
- * floats, in order. These are the lanes of register k. */
+/* Doubles, for numbers that are computed once a ray or once a hit. One register of them, or two if W > 1, has the lanes
+ * of one of floats, in order. These are the lanes of register k. */
 static inline double_reg rd_from_rf(float_reg a, int k) { return (void)k, (double_reg){(double)a.v}; }
 static inline float_reg rf_from_rd(double_reg a) { return (float_reg){(float)a.v}; } /* to nearest */
 /* As rf_min and rf_max. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What vec_sse42.h, vec_avx2.h and vec_avx512.h have in common: words whose intrinsics differ in their registers' names alone.
- * X(name) is the intrinsic of that name. */
+/* What vec_sse42.h, vec_avx2.h and vec_avx512.h have in common: words whose intrinsics differ in their registers' names
+ * alone. X(name) is the intrinsic of that name. */
 #ifndef CELLWALK_SIMD_VEC_X86_H
 #define CELLWALK_SIMD_VEC_X86_H
 

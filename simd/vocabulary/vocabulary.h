@@ -3,12 +3,12 @@
  *
  * CELLWALK_VOCABULARY is the header of the instruction set, from simd/isas.cmake. It has W lanes a register, types
  * float_reg, int_reg, mask_reg and double_reg, and the words rf_min, rm_and and so on for one register. Here vf_min is
- * rf_min for each register of a vector, and so for all others, and vf_add is the operator +. vec_scalar.h says what each word
- * means.
+ * rf_min for each register of a vector, and so for all others, and vf_add is the operator +. vec_scalar.h says what
+ * each word means.
  *
- * Why two registers: a step of the lane walk is one chain of some forty dependent operations, longer than the CPU can look
- * ahead, so one register leaves most of its units idle. Two in lockstep, operation by operation, are two chains at once.
- * Rejected: vectors that take turns step by step, since the CPU still sees one chain at a time. */
+ * Why two registers: a step of the lane walk is one chain of some forty dependent operations, longer than the CPU can
+ * look ahead, so one register leaves most of its units idle. Two in lockstep, operation by operation, are two chains at
+ * once. Rejected: vectors that take turns step by step, since the CPU still sees one chain at a time. */
 #ifndef CELLWALK_SIMD_VOCABULARY_H
 #define CELLWALK_SIMD_VOCABULARY_H
 
@@ -16,7 +16,7 @@
 
 #include <string.h>
 
-/* Names with the width of the instruction set: CW_CODE(pyramid) is cw_pyramid1, cw_pyramid4, cw_pyramid8 or cw_pyramid16. */
+/* Names with the instruction set's width: CW_CODE(pyramid) is cw_pyramid1, cw_pyramid4, cw_pyramid8 or cw_pyramid16. */
 #define CW_PASTE(kind, width)   cw_##kind##width
 #define CW_CODE_OF(kind, width) CW_PASTE(kind, width)
 #define CW_CODE(kind)           CW_CODE_OF(kind, W)
@@ -46,7 +46,7 @@ typedef struct vmask {
     SECOND(mask_reg b;)
 } vmask;
 
-/* Doubles: of(d, half, r, how) makes member d of the result from the half numbered half of register r. One lane has no halves. */
+/* Doubles: of(d, half, r, how) makes member d of the result from that half of register r. One lane has no halves. */
 #if W == 1
 #define UPPER(...)
 #else

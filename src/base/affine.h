@@ -22,8 +22,8 @@ static inline void affine_covector(const double inverse[3][4], const double n[3]
     for (int c = 0; c < 3; c++) out[c] = inverse[0][c] * n[0] + inverse[1][c] * n[1] + inverse[2][c] * n[2];
 }
 
-/* Scales m by the power of two that makes the largest entry of its linear part about 1. That changes no bit of a direction,
- * but of entries of 10^200 the squares would overflow. */
+/* Scales m by the power of two that makes the largest entry of its linear part about 1. That changes no bit of a
+ * direction, but of entries of 10^200 the squares would overflow. */
 static inline void affine_scale(double m[3][4]) {
     double most = 0;
     int exponent;
@@ -32,16 +32,16 @@ static inline void affine_scale(double m[3][4]) {
     for (int k = 0; k < 12; k++) m[k / 4][k % 4] = ldexp(m[k / 4][k % 4], -exponent);
 }
 
-/* p by the inverse of a map, as affine_invert gives it: first off comes the translation, which is exact or nearly so for
- * all that is near it, then comes the linear part. A field thousands of kilometres from the origin loses nothing. */
+/* p by the inverse of a map, as affine_invert gives it: first off comes the translation, which is exact or nearly so
+ * for all near it, then the linear part. A field thousands of kilometres from the origin loses nothing. */
 static inline void affine_point_back(const double inverse[3][4], const double p[3], double out[3]) {
     const double from[3] = {p[0] - inverse[0][3], p[1] - inverse[1][3], p[2] - inverse[2][3]};
     affine_vector(inverse, from, out);
 }
 
-/* The inverse of the linear part, with the translation of m itself beside it. False if m is not finite or singular: once
- * the rows are scaled to unit size, so that neither kilometres nor nanometres count as singular, the determinant is no more than
- * what rounding makes of its terms: 8 roundings by 2^-53 each, of three entries, two products, a difference and two sums. */
+/* The inverse of the linear part, with m's own translation beside it. False if m is not finite or singular: with rows
+ * scaled to unit size, so that neither kilometres nor nanometres count as singular, the determinant is at most what
+ * rounding makes of its terms: 8 roundings by 2^-53 each, of three entries, two products, a difference and two sums. */
 static inline bool affine_invert(const double m[3][4], double out[3][4]) {
     double scale[3], a[3][3];
     for (int r = 0; r < 3; r++) {

@@ -14,7 +14,7 @@
 /* More than that nobody has a use for. */
 enum { CPUS_MAX = 4096 };
 
-/* CPUs that the calling thread may run on, which are fewer than the machine has where somebody limits it; at least 1. */
+/* CPUs that the calling thread may run on, fewer than the machine has where somebody limits it; at least 1. */
 static inline unsigned cpus_usable(void) {
 #ifdef _WIN32
     long count = pthread_num_processors_np();

@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Of n floats; NaN counts as none. INFINITY and -INFINITY where none are left. Each lane keeps its own: where there may be NaN,
- * compilers make vectors of that, and not of one number for all. */
+/* Of n floats; NaN counts as none. INFINITY and -INFINITY where none are left. Each lane keeps its own: where there may
+ * be NaN, compilers make vectors of that, and not of one number for all. */
 static inline void extremes_of(const float *z, size_t n, float *low, float *high) {
     enum { LANES = 32 };
     float lows[LANES], highs[LANES];

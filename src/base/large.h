@@ -14,8 +14,8 @@
 
 enum { LARGE_LINE = 64, LARGE_PAGE = 1 << 21 }; /* bytes of a cache line and of a huge page */
 
-/* Begins at a cache line, a large array at a huge page; NULL when out of memory. To be freed by large_release, which is free()
- * everywhere but on Windows. */
+/* Begins at a cache line, a large array at a huge page; NULL when out of memory. To be freed by large_release, which is
+ * free() everywhere but on Windows. */
 static inline void *large_allocate(size_t bytes) {
     const bool large = bytes >= LARGE_PAGE;
     const size_t alignment = large ? LARGE_PAGE : LARGE_LINE;

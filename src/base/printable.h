@@ -6,8 +6,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* How many bytes the character at c takes; 0 if it is none of UTF-8, or commands a terminal: C0, DEL, C1, and those that turn
- * the direction of text or end a line. */
+/* How many bytes the character at c takes; 0 if it is none of UTF-8, or commands a terminal: C0, DEL, C1, and those
+ * that turn the direction of text or end a line. */
 static inline size_t printable_length(const unsigned char *c) {
     if (c[0] < 0x80) return c[0] >= 0x20 && c[0] != 0x7f;
     const size_t length = c[0] >= 0xf0 ? 4 : c[0] >= 0xe0 ? 3 : 2;

@@ -16,7 +16,7 @@ bool cw_door_make(door *d) {
     return false;
 }
 
-/* In a child, threads that are not there may hold the parent's lock or wait for it: destroying that would not return. */
+/* In a child, absent threads may hold the parent's lock or wait for it: destroying that would not return. */
 void cw_door_destroy(door *d) {
     if (atomic_load(&d->owner) != cw_process()) return;
     pthread_cond_destroy(&d->changed);

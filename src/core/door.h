@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Keeps queries and updates of a field apart. An update fails while queries run, and a query fails while such an update runs. An
+/* Keeps queries and updates of a field apart. An update fails while queries run, a query while such an update runs. An
  * update may instead wait: it shuts the door, queries inside run to their end, and later ones wait for the update.
  *
- * Nobody starves. Updates that wait are served in the order in which they came, and none shuts the door before all queries that
- * waited for the last one are in.
+ * Nobody starves. Updates that wait are served in the order in which they came, and none shuts the door before all
+ * queries that waited for the last one are in.
  *
  * A query enters and leaves. One counter for all threads would move from core to core with every query. So there are
  * several, each on a separate cache line, and the address of a thread's stack selects one. A thread is mostly alone
- * at its counter, and then leaves by a plain store: one locked instruction a query in all. A process of one thread uses the first
- * counter, and no locked instruction.
+ * at its counter, and then leaves by a plain store: one locked instruction a query in all. A process of one thread uses
+ * the first counter, and no locked instruction.
  *
  * Counts hold the process that they were made in. A child made by fork has none of its parent's other threads, and what
- * they left in the counters counts for nothing there. An update of the parent's never ends there, so the field stays shut. */
+ * they left in the counters counts for nothing there. A parent's update never ends there, so the field stays shut. */
 #ifndef CELLWALK_CORE_DOOR_H
 #define CELLWALK_CORE_DOOR_H
 
@@ -99,7 +99,7 @@ static inline door_pass door_enter(const door *d) {
 bool cw_door_make(door *d);
 void cw_door_destroy(door *d);
 
-/* Shuts it for an update. Without wait, false if a query or another update runs; else only in a child whose parent shut it. */
+/* Shuts it for an update. Without wait, false if a query or update runs; else only in a child whose parent shut it. */
 bool cw_door_close(door *d, bool wait);
 void cw_door_open(door *d, bool waited);
 

@@ -36,7 +36,7 @@ struct cw_field {
     door door;               /* queries that run, and updates */
 };
 
-/* src/core/bounds/pyramid.c. The first fails if a sample may not be part of a field; the second one's have been checked. */
+/* src/core/bounds/pyramid.c. The first fails if a sample may not be part of a field; the second's have been checked. */
 cw_status cw_pyramid_build(cw_field *field, const cw_run *how);
 void cw_pyramid_update(cw_field *field, const cw_rectangle *changed, cw_pool *pool);
 void cw_pyramid_destroy(const cw_field *field, struct cw_pyramid *pyramid);

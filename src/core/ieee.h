@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Refuses to be compiled without IEEE arithmetic, or for 32 bits. src/flags.cmake takes back the flags that a parent project may set; this is
- * for those who build in another way. Every result depends on NaN, signed zeros, infinities and the order of operations. */
+/* Refuses to be compiled without IEEE arithmetic, or for 32 bits. src/flags.cmake takes back a parent project's flags;
+ * this is for other builds. Every result depends on NaN, signed zeros, infinities and the order of operations. */
 #ifndef CELLWALK_CORE_IEEE_H
 #define CELLWALK_CORE_IEEE_H
 

@@ -7,8 +7,8 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
-/* Differs between a process and the children that fork makes of it, which have none of its other threads. Rejected: getpid, a
- * system call for each ray that is asked alone, and numbers that come again. */
+/* Differs between a process and the children that fork makes of it, which have none of its other threads. Rejected:
+ * getpid, a system call for each ray that is asked alone, and numbers that come again. */
 extern atomic_uint cw_process_number;
 static inline unsigned cw_process(void) { return atomic_load_explicit(&cw_process_number, memory_order_relaxed); }
 
@@ -25,8 +25,8 @@ static inline bool process_has_one_thread(void) {
 /* Called before the number is kept anywhere. False when out of memory. */
 bool cw_process_follow_forks(void);
 
-/* Between these the thread is not cancelled, and what it holds is not lost with it: locks, a job on its stack, its place among a
- * field's users. Only cancellation points need it: waits, and callbacks, which may contain some. */
+/* Between these the thread is not cancelled, and what it holds is not lost with it: locks, a job on its stack, its
+ * place among a field's users. Only cancellation points need it: waits, and callbacks, which may contain some. */
 static inline int cancel_disable(void) {
     int before;
     pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &before);

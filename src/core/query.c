@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Public queries: check, choose the kernel, split over threads, keep the floating-point environment. Rays in user space are moved to
- * field space in blocks that lie on the stack and in the first cache. */
+/* Public queries: check, choose the kernel, split over threads, keep the floating-point environment. Rays in user space
+ * are moved to field space in blocks that lie on the stack and in the first cache. */
 
 #include "field.h"
 #include "fpenv.h"
 #include "kernels.h"
 #include "run.h"
 
-/* Rays a thread takes at a time: some 100 microseconds of work, so that handing out costs nothing; towards the end fewer, so
- * that the last piece does not keep the others waiting, also where there are 10 000 rays in all. */
+/* Rays a thread takes at a time: some 100 microseconds of work, so that handing out costs nothing; towards the end
+ * fewer, so that the last piece does not keep the others waiting, also where there are 10 000 rays in all. */
 enum { LEAST = 256, MOST = 4096 };
 /* Fewer rays than this are found before a thread that sleeps has woken up. */
 enum { SHARED = 1024 };
 /* As many as keep the kernels' batches full, and few. */
 enum { BLOCK = 512 };
 
-/* So many rays are best found one after the other. In a field of more than FEW_LARGE samples, beyond the caches, one fewer: lanes wait for
- * memory together. */
+/* So many rays are best found one after the other. In a field of more than FEW_LARGE samples, beyond the caches, one
+ * fewer: lanes wait for memory together. */
 enum { FEW_ALONE = 5, FEW_LARGE = 1 << 22 };
 
 /* Does for n <= CW_FEW_RAYS rays what a cw_trace_fn does. */
@@ -76,8 +76,8 @@ static void work_on_many(void *context, size_t begin, size_t end) {
     work_in_blocks(context, begin, end, block, BLOCK);
 }
 
-/* Of any rays; few take a shorter way, which is fast only without this one in it. An update may drop a structure, so its presence is checked
- * behind the door. */
+/* Of any rays; few take a shorter way, which is fast only without this one in it. An update may drop a structure, so
+ * its presence is checked behind the door. */
 static __attribute__((noinline)) cw_status query_all(const cw_field *field, const cw_run *run, const cw_ray *rays,
                                                      const cw_user_ray *user_rays, size_t n, cw_hit *hits,
                                                      uint8_t *occluded, const char *out_name) {

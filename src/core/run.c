@@ -11,7 +11,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-/* ---- checks ---------------------------------------------------------------------------------------------------------- */
+/* ---- checks ------------------------------------------------------------------------------------------------------ */
 
 cw_status cw_check_reserved(const uint64_t *reserved, size_t count, uint32_t zero, const char *what) {
     uint64_t any = zero;
@@ -88,11 +88,11 @@ cw_status cw_run_check(const cw_field *field, const cw_run *run) {
     return status == CW_OK && field ? cw_run_built(field, &how) : status;
 }
 
-/* ---- work under a watch ---------------------------------------------------------------------------------------------- */
+/* ---- work under a watch ------------------------------------------------------------------------------------------ */
 
-/* Some rays take 10 000 times as long as others, and a watch is called between pieces only. So pieces of rays begin small, and
- * grow or shrink with the time that the last one took. A piece that has grown on fast rays and then comes to slow ones still
- * runs to its end. Rejected: small pieces always, since kernels work best on many rays. */
+/* Some rays take 10 000 times as long as others, and a watch is called between pieces only. So pieces of rays begin
+ * small, and grow or shrink with the time that the last one took. A piece that has grown on fast rays and then comes to
+ * slow ones still runs to its end. Rejected: small pieces always, since kernels work best on many rays. */
 enum { FIRST_PIECE = 64 };
 static const double short_piece = 0.005, long_piece = 0.05; /* seconds */
 

@@ -19,17 +19,17 @@ CW_API cw_status cw_check_rectangle(const cw_field *field, const cw_rectangle *a
  * one. */
 void cw_fill(void *caller, size_t size, const void *all, size_t all_size);
 
-/* *how becomes *run, or all zero for NULL. Fails if its leaf test, its instruction set or a reserved member is invalid. */
+/* *how becomes *run, or all zero for NULL. Fails if its leaf test, instruction set or a reserved member is invalid. */
 CW_API cw_status cw_run_begin(const cw_run *run, cw_run *how);
 
-/* Sets kernel, leaf test and instruction set to those that run. Fails if there is none such here. A limit on instruction sets that is
- * set later changes nothing. */
+/* Sets kernel, leaf test and instruction set to those that run. Fails if there is none such here. A limit on
+ * instruction sets that is set later changes nothing. */
 CW_API cw_status cw_run_settle(cw_run *how);
 
 /* Fails if the field lacks the structure of the kernel, which has been settled. */
 cw_status cw_run_built(const cw_field *field, const cw_run *how);
 
-/* cw_pool_run in pieces of least to most items, the largest first, for work that is best done in pieces of different sizes. */
+/* cw_pool_run in pieces of least to most items, the largest first, for work best done in pieces of different sizes. */
 void cw_pool_share(cw_pool *pool, size_t n, size_t least, size_t most, cw_work_fn *work, void *context);
 
 /* The same on the pool of how; if there is a watch, in pieces of at most most items also on one thread. If least is

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What libcellwalk_terrain needs of libcellwalk and no header for users has. The shared library exports it for its sister of the
- * same version alone. */
+/* What libcellwalk_terrain needs of libcellwalk and no header for users has. The shared library exports it for its
+ * sister of the same version alone. */
 #ifndef CELLWALK_CORE_SISTER_H
 #define CELLWALK_CORE_SISTER_H
 

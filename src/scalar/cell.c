@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays one after another: the kernel cell, and rays alone that soon fall to the ground.
  *
- * The cell walk follows Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987, and Musgrave, "Grid
- * tracing", 1988. It is the plain form of the walk that the packet kernels vectorise, and tests compare their bits with it.
+ * The cell walk follows Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987, and Musgrave,
+ * "Grid tracing", 1988. It is the plain form of the packet kernels' walk, and tests compare their bits with it.
  *
  * Invariant: each crossing is computed from the border's coordinate, so it does not depend on where the walk began.
  * Rejected: adding a constant to the last crossing, as the paper does, since errors then build up along the ray. */

@@ -58,8 +58,8 @@ static inline bool ray_is_far(const cw_field *f, const float org[3]) {
  * positive in spite of rounding. */
 #define RAY_BOX_ROOM 0x1p-21f
 
-/* A ray that enters the box later, or leaves it earlier than minus this, is not in it within RAY_T_LIMIT. One that enters it
- * earlier than minus this is moved into the box, to a place before its range of t. */
+/* A ray that enters the box later, or leaves it earlier than minus this, is not in it within RAY_T_LIMIT. One that
+ * enters it earlier than minus this is moved into the box, to a place before its range of t. */
 #define RAY_FARTHEST (1.5f * RAY_T_LIMIT)
 
 /* Moves the origin towards the field's box; false if the ray misses the box. */

@@ -7,9 +7,9 @@
  *     and places to the cell. So errors grow with the distance from the origin, not with coordinates.
  *  2. A border at field coordinate b is crossed at t(b) = (b - org) · (1 / dir), each operation rounded once. t is
  *     monotone in b because rounding is monotone, so the order of crossings along an axis is never wrong.
- *  3. The walk is the staircase that the crossings define. At the border crossed first (x if both are crossed at once) it
- *     goes on to the next cell. Hence a cell is on the walk if and only if it is entered in x no later than left in y, and
- *     entered in y earlier than left in x: a property of ray and cell alone, which any walk can check.
+ *  3. The walk is the staircase that the crossings define. At the border crossed first (x if both are crossed at once)
+ *     it goes on to the next cell. Hence a cell is on the walk if and only if it is entered in x no later than left in
+ *     y, and entered in y earlier than left in x: a property of ray and cell alone, which any walk can check.
  *  4. The gate: a cell is tested only if it is on the walk, its t-interval [t0, t1] is not empty, and the ray's heights
  *     t · dir at t0 and t1 enclose a height between the cell's lowest and highest sample, less the origin's height.
  *     Heights are monotone in t, and differences are monotone in the sample. So the same comparison on a block of cells

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Builds the pyramid, and repairs it after samples have changed: tiles first, which depend on samples alone, then the levels above
- * them one by one, and last the highest samples of nodes two by two. Samples that are holes or refused are found with the tiles. So
- * the number of holes is found again in little time when some samples change. */
+/* Builds the pyramid, and repairs it after samples have changed: tiles first, which depend on samples alone, then the
+ * levels above them one by one, and last the highest samples of nodes two by two. Samples that are holes or refused are
+ * found with the tiles. So the number of holes is found again in little time when some samples change. */
 
 #include "pyramid.h"
 
@@ -60,8 +60,8 @@ static void refuse(pyramid_job *w, uint64_t number) {
     while (number < first && !atomic_compare_exchange_weak(&w->refused, &first, number)) continue;
 }
 
-/* Holes among the samples that tile (x, y) owns: each sample is owned by one tile, the one in which it is not on the last row or
- * column, if there is one. Also finds refused ones. */
+/* Holes among the samples that tile (x, y) owns: each sample is owned by one tile, the one in which it is not on the
+ * last row or column, if there is one. Also finds refused ones. */
 static uint32_t count_holes(pyramid_job *w, size_t x, size_t y) {
     const cw_field *f = w->f;
     const size_t begin = x * TILE_SIDE, end = x + 1 < cw_pyramid_across(f, TILE_LEVEL) ? begin + TILE_SIDE : f->nx;
@@ -134,7 +134,7 @@ static nodes nodes_of(const pyramid_job *w, int level) {
     return n;
 }
 
-/* The bricks whose numbers ahead depend on them: beyond the field's far borders also those of nodes that it does not have. */
+/* The bricks whose numbers ahead depend on them: beyond the field's far borders also those of nodes that it lacks. */
 static nodes ahead_of(const pyramid_job *w, int level) {
     const cw_pyramid_level *l = &w->p->level[level];
     const nodes n = nodes_of(w, level);

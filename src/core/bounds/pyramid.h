@@ -3,8 +3,8 @@
  *
  * A node of level 0 covers a *block* of 4 × 4 cells; a node of level l + 1 covers 4 × 4 nodes of level l, which lie
  * together in memory as one *brick*: 16 lows, then 16 highs, two cache lines. The top level is one brick. Large
- * squares take 1.5 bytes a cell, other fields more for the partly filled bricks along their far borders. Nodes outside the
- * field and nodes with holes only have NaN, which compares false: no ray meets them, not even one whose heights
+ * squares take 1.5 bytes a cell, other fields more for the partly filled bricks along their far borders. Nodes outside
+ * the field and nodes with holes only have NaN, which compares false: no ray meets them, not even one whose heights
  * overflow.
  *
  * After the maximum mipmaps of Tevs, Ihrke and Seidel (2008) and pbrt-like min-max quadtrees, but 16 children wide,
@@ -21,8 +21,8 @@
 
 #include <math.h>
 
-/* Lowest and highest of samples of which some are holes. With a the sample, a hole compares false and drops out; compilers turn
- * it into one instruction. */
+/* Lowest and highest of samples of which some are holes. With a the sample, a hole compares false and drops out;
+ * compilers turn it into one instruction. */
 static inline float lower(float a, float b) { return a < b ? a : b; }
 static inline float higher(float a, float b) { return a > b ? a : b; }
 static inline size_t least(size_t a, size_t b) { return a < b ? a : b; }
@@ -42,15 +42,15 @@ typedef struct cw_pyramid_level {
     int32_t down;
     float side; /* cells along one side of a node */
     /* Highest sample of the nodes (x - 1, y - 1), (x, y - 1), (x - 1, y) and (x, y), as far as they exist, at
-     * ahead[y * (4 * across + 1) + x], x <= 4 * across, y <= 4 * down. So a node has four of these numbers, one for each
-     * quadrant of directions in which a ray may go on from it. */
+     * ahead[y * (4 * across + 1) + x], x <= 4 * across, y <= 4 * down. So a node has four of these numbers, one for
+     * each quadrant of directions in which a ray may go on from it. */
     float *ahead;
 } cw_pyramid_level;
 
 /* Every sample of the node, and every point of its triangles, has
  *     low <= z - slope_x * (x - x0) - slope_y * (y - y0) <= high
- * (x0, y0) being the node's middle. Both are widened by the rounding error of a ray's height above the plane, for rays that
- * start within the field or no farther from it than it is large (papers/numerics.md). A node without samples has
+ * (x0, y0) being the node's middle. Both are widened by the rounding error of a ray's height above the plane, for rays
+ * that start within the field or no farther from it than it is large (papers/numerics.md). A node without samples has
  * low > high. */
 typedef struct cw_pyramid_slab {
     float low, high, slope_x, slope_y;

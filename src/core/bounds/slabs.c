@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Slabs of nodes larger than a tile, from what its tiles have: the plane from their sums, and how far samples lie off it from
- * their slabs. Rejected: a search for the sample that is farthest off, which gives no more speed, and slabs of the level below,
- * which are thicker at each level (papers/walks.md). */
+/* Slabs of nodes larger than a tile, from what its tiles have: the plane from their sums, and how far samples lie off
+ * it from their slabs. Rejected: a search for the sample that is farthest off, which gives no more speed, and slabs of
+ * the level below, which are thicker at each level (papers/walks.md). */
 
 #include "pyramid.h"
 
 #include <float.h>
 
-/* Sets low and high of a slab, whose plane is set, to what encloses its tiles. With u = 2^-24, a tile's distances have an error of
- * 3 u of its plane's rise and u of the height; there is room for 16. */
+/* Sets low and high of a slab, whose plane is set, to what encloses its tiles. With u = 2^-24, a tile's distances have
+ * an error of 3 u of its plane's rise and u of the height; there is room for 16. */
 static void enclose_tiles(cw_pyramid_slab *s, const cw_field *f, const struct cw_pyramid *p, int level, size_t x,
                           size_t y, double heights) {
     const int shift = 2 * (level - TILE_LEVEL);

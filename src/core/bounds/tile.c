@@ -153,8 +153,8 @@ static void do_nodes(tile *t, int level, size_t y) {
 /* ---- blocks, which are most of the work -------------------------------------------------------------------------- */
 
 /* A tile has 16 blocks in a row, which are the lanes here. Column k of all blocks lies together: sample i of a row at
- * (i % 4) * LANES + i / 4. Of k > 0 the last lane has none. Beyond the field's far borders there are holes, so that
- * a block with fewer than 4 × 4 cells has a level slab. Rejected: the code of larger nodes, 1.7 times as long for 65² and 257². */
+ * (i % 4) * LANES + i / 4. Of k > 0 the last lane has none. Beyond the field's far borders are holes, so that a block
+ * with fewer than 4 × 4 cells has a level slab. Rejected: larger nodes' code, 1.7 times as long for 65² and 257². */
 enum { BLOCKS = TILE_SIDE / 4, LANES = BLOCKS + 1, PARTED = 4 * LANES };
 typedef float lanes[BLOCKS];
 

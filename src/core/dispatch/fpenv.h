@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The IEEE default environment for the time of a query: round to nearest, denormals kept, exceptions masked. Under flush-to-zero or another
- * rounding mode, a caller would get other bits, and leaks. On x86-64 only MXCSR is set, on aarch64 FPCR: glibc's FE_DFL_ENV does not change
- * the bits of later architectures. Elsewhere it is used. Exception flags that a query raises stay raised. Rejected: to take them back, as an
- * Intel CPU (Granite Rapids) waits to read what was written until all before is done: a ray a call took 1.6 times as long; and
- * fesetenv(FE_DFL_ENV), which also reloads the x87 state, unused here, and takes ten times as long. */
+/* The IEEE default environment during a query: round to nearest, denormals kept, exceptions masked. Under flush-to-zero
+ * or other rounding, callers would get other bits, and leaks. On x86-64 only MXCSR is set, on aarch64 FPCR: glibc's
+ * FE_DFL_ENV keeps bits of later architectures. Elsewhere it is used. Exception flags that a query raises stay raised.
+ * Rejected: taking them back, as Granite Rapids (Intel) waits to read what was written until all before is done: 1.6
+ * times as long for a ray a call; fesetenv(FE_DFL_ENV), which also reloads the unused x87 state: ten times as long. */
 #ifndef CELLWALK_CORE_FPENV_H
 #define CELLWALK_CORE_FPENV_H
 

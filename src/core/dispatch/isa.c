@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* CPU detection, by the compiler's library, which also looks whether the operating system saves the wider registers: a kernel booted
- * with noxsave does not, nor a hypervisor that hides AVX-512 state. */
+/* CPU detection, by the compiler's library, which also looks whether the operating system saves the wider registers: a
+ * kernel booted with noxsave does not, nor a hypervisor that hides AVX-512 state. */
 
 #include "kernels.h"
 

@@ -13,17 +13,17 @@
 #define NONE                                                                                                           \
     NULL, { NULL, NULL }
 
-/* From the plainest to the fastest: the last one available is the default. CELLWALK_KERNELS is KERNEL(set, lanes) for each row of
- * simd/isas.cmake but the scalar one. */
+/* From the plainest to the fastest: the last one available is the default. */
 /* clang-format off */
 static const cw_kernel kernels[] = {
     {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, cw_to_field1, NONE, NULL, NULL},
 #define KERNEL(set, lanes) \
     {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, cw_to_field##lanes, \
      NONE, NULL, NULL},
-    CELLWALK_KERNELS
+    CELLWALK_KERNELS /* KERNEL(set, lanes) for each row of simd/isas.cmake but the scalar one */
 #undef KERNEL
-    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, cw_to_field1, cw_one1, {NULL, NULL}, &cw_pyramid1, NULL},
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, cw_to_field1, cw_one1,
+     {NULL, NULL}, &cw_pyramid1, NULL},
 #define KERNEL(set, lanes) \
     {"pyramid" #lanes, "bounds pyramid, " #lanes " lanes, single rays in pairs of " #lanes, \
      CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, cw_to_field##lanes, cw_one##lanes, FEW_##lanes, NULL},

@@ -13,7 +13,7 @@ enum { CW_FEW_RAYS = 8, CW_SHORT_LANES = 4 };
 /* Traces rays[0..n) and writes hits[0..n), or occluded[0..n) if hits is NULL. Runs in the IEEE default environment. */
 typedef void cw_trace_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
-/* The same for few rays, with the watertight test; false if another walk is better, and then answers are unspecified. */
+/* The same for few rays, with the watertight test; false if another walk is better: then answers are unspecified. */
 typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
 /* cw_rays_to_field; m is the field's to_field. */
@@ -30,8 +30,8 @@ struct cw_kernel {
     unsigned width; /* lanes of the widest vectors it walks with */
     const cw_kernel_code *code;
     cw_to_field_fn *to_field; /* for the same instruction set */
-    /* Calls of at most CW_FEW_RAYS rays that force no kernel: of one alone (NULL: there is none); of at most CW_SHORT_LANES and of
-     * more that are all short by a guess; and of all others. */
+    /* Calls of at most CW_FEW_RAYS rays that force no kernel: of one alone (NULL: there is none); of at most
+     * CW_SHORT_LANES and of more that are all short by a guess; and of all others. */
     cw_trace_fn *one;
     cw_short_fn *if_short[2];
     const cw_kernel_code *few;
@@ -56,7 +56,7 @@ cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 /* Kernels of another library, which come before those of this one. Before the first other call, and once. */
 void cw_kernels_add(const cw_kernel *first, size_t count);
 
-/* src/scalar/cell.c. cw_cell_few traces a ray through so many cells at most; false if it goes on, and then there is no answer. */
+/* src/scalar/cell.c. cw_cell_few traces a ray through so many cells at most; false, with no answer, if it goes on. */
 extern const cw_kernel_code cw_cell;
 bool cw_cell_few(const cw_field *field, const cw_ray *ray, int most, cw_hit *hit, uint8_t *occluded);
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Two paths for comparison, which use other operations than the kernels of the library: Möller and Trumbore's test (1997) without the
- * gate. */
+/* Two paths to compare the kernels with, by other operations: Möller and Trumbore's test (1997) without the gate. */
 
 #include "reference.h"
 
@@ -27,8 +26,8 @@ static inline __attribute__((always_inline)) void trace_each(const cw_field *f, 
 
 /* ---- brute: every ray against every triangle --------------------------------------------------------------------- */
 
-/* Tests compare the other kernels with it on small fields, up to the rounding of the test. It is no reference for exactness: tests use an
- * oracle in exact arithmetic for that. The nearest hit; among equally near ones the first in row order. */
+/* Tests compare the other kernels with it on small fields, up to the rounding of the test; for exactness they use an
+ * oracle in exact arithmetic. The nearest hit; among equally near ones the first in row order. */
 static inline bool trace_brute(const cw_field *f, const cw_ray *given, bool any, cw_hit *best) {
     bool found = false;
     ray_start ray;
@@ -284,7 +283,8 @@ static const cw_kernel_code grid3d = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trac
 
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, &brute, cw_to_field1, NULL, {NULL, NULL}, NULL, NULL},
+    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, &brute, cw_to_field1,
+     NULL, {NULL, NULL}, NULL, NULL},
     {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, &grid3d, cw_to_field1,
      NULL, {NULL, NULL}, NULL, build_grid3d},
 };
