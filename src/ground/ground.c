@@ -212,7 +212,7 @@ bool ground_read_around(ground *g, double x, double y, double metres, io_error *
     return ground_check(g, piece, 0, error) && ground_read(g, piece, false, error);
 }
 
-/* ---- plans -------------------------------------------------------------------------------------------------------- */
+/* ---- plans ------------------------------------------------------------------------------------------------------- */
 
 cw_status ground_plan_create(ground_plan *p, const ground_matters *by, const terrain *whole, cw_rectangle window) {
     *p = (ground_plan){.by = *by, .whole = whole, .window = window};

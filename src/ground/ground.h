@@ -31,7 +31,7 @@ typedef struct ground {
     char warned[GROUND_WARNINGS][300];
 } ground;
 
-/* Reads the raster's size, map and place. path, reading, coarser, watch, query and bytes are set; the window is all of it. */
+/* Reads the raster's size, map and place. path, reading, coarser, watch, query and bytes are set; the window is all. */
 bool ground_open(ground *g, io_error *error);
 void ground_close(ground *g);
 
@@ -48,7 +48,7 @@ bool ground_find_window(ground *g, const double extent[4], const char *text, io_
 /* Puts a piece, with a field or without, into the place of the one that is in memory. */
 bool ground_read(ground *g, cw_rectangle piece, bool field, io_error *error);
 
-/* Puts all of the raster there without a field, or if metres is above 0 the part that a place of the map sees within so many of them. */
+/* Puts all of the raster there without a field, or if metres > 0 the part that a place of the map sees within them. */
 bool ground_read_around(ground *g, double x, double y, double metres, io_error *error);
 
 /* Few enough samples to read all of them where many places matter, in place of a piece for each. */
@@ -56,15 +56,15 @@ static inline bool ground_is_small(const ground *g) {
     return g->about.z != NULL || g->about.nx * g->about.ny <= (size_t)1 << 25;
 }
 
-/* Whether memory has room for a piece with a field or for a result of four bytes a sample; an error if not. more: further bytes a
- * sample. */
+/* Whether memory has room for a piece with a field or for a result of four bytes a sample; an error if not. more:
+ * further bytes a sample. */
 bool ground_fits(const ground *g, cw_rectangle piece, double more);
 bool ground_check(const ground *g, cw_rectangle piece, double more, io_error *error);
 
 /* The curvature that was given, or if that is NaN the default of lines of sight. */
 double ground_curvature(const ground *g, double given);
 
-/* ---- which samples matter to a part of a product: the rectangle to read for a band of rows, or for a chunk of Dask's -------- */
+/* ---- which samples matter to a part of a product: the rectangle to read for a band of rows, or for a Dask chunk -- */
 
 /* What decides it. All zero: all of the raster matters. */
 typedef struct ground_matters {
@@ -88,7 +88,7 @@ typedef struct ground_plan {
 cw_status ground_plan_create(ground_plan *p, const ground_matters *by, const terrain *whole, cw_rectangle window);
 void ground_plan_destroy(ground_plan *p);
 
-/* Takes the lowest and highest samples of blocks, if they must be known: those of the window and what else is of use to it. */
+/* Takes the lowest and highest samples of blocks, if they must be known: the window's and others of use to it. */
 bool ground_plan_survey(ground_plan *p, ground *g, io_error *error);
 
 /* The rectangle that matters to a part of the window. */

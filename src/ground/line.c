@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* What follows from where the line is blocked: a share of the way, or infinity. The sight is one on all of the terrain. */
+/* What follows from where the line is blocked: a share of the way, or infinity. The sight is on all of the terrain. */
 static void settle(line *l, const sight *s, double block) {
     const terrain *t = s->terrain;
     const double *eye = l->eye, *target = l->target;
@@ -30,9 +30,9 @@ bool line_find(line *l, const terrain *t, const io_place places[2], double curva
     return true;
 }
 
-/* ---- by pieces ------------------------------------------------------------------------------------------------------- */
+/* ---- by pieces --------------------------------------------------------------------------------------------------- */
 
-/* The samples around the way from one place in the raster's field coordinates to another, and two more; none if it is outside. */
+/* The samples around the way between two places in the raster's field coordinates, and two more; none if outside. */
 static cw_rectangle around(const terrain *whole, const double from[2], const double to[2]) {
     const size_t sides[2] = {whole->nx, whole->ny};
     size_t first[2], count[2];
@@ -97,7 +97,7 @@ bool line_find_on(line *l, ground *g, const io_place places[2], double curvature
     return true;
 }
 
-/* ---- radio ------------------------------------------------------------------------------------------------------------- */
+/* ---- radio ------------------------------------------------------------------------------------------------------- */
 
 /* The first Fresnel zone's radius in metres at a share of the way. */
 static double line_fresnel_radius(const line *l, double megahertz, double where) {
@@ -125,8 +125,8 @@ void line_clearance(const line *l, double megahertz, const profile *p, clearance
         const profile_point *a = &p->points[k], *b = k + 1 < p->count ? a + 1 : a;
         const double gap = (a->line - a->ground) * metres, next = (b->line - b->ground) * metres;
         if (!isnan(gap)) look_at_clearance(l, megahertz, a->share, gap, c);
-        /* Between two crossings the gap is linear. Its share of the radius is least where the gaps of that straight line at the
-         * two ends of the way are as the distances to them, if that is between the two. */
+        /* Between two crossings the gap is linear. Its share of the radius is least where the gaps of that straight
+         * line at the two ends of the way are as the distances to them, if that is between the two. */
         const double slope = (next - gap) / (b->share - a->share), first = gap - slope * a->share;
         const double least = first / (2 * first + slope);
         if (least > a->share && least < b->share) look_at_clearance(l, megahertz, least, first + slope * least, c);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a product came to: the line at the end of a command, and a picture to look at, which is the terrain's relief, the values above it in
- * colours, and places marked. */
+/* What a product came to: the line at the end of a command, and a picture to look at, which is the terrain's relief,
+ * the values above it in colours, and places marked. */
 #ifndef CELLWALK_GROUND_OUTCOME_H
 #define CELLWALK_GROUND_OUTCOME_H
 
@@ -21,7 +21,7 @@ void outcome_end(outcome *o);
 /* The next n cells of the product. */
 void outcome_take(outcome *o, const io_raster_product *p, const void *cells, size_t n);
 
-/* "24.1 % of 138632 samples in sight" where cells are whole numbers, which counted names, or "0.62 to 1, median 0.93 h". */
+/* "24.1 % of 138632 samples in sight" for whole numbers (counted: "in sight"), or "0.62 to 1 h, median 0.93, …". */
 void outcome_text(const outcome *o, const io_raster_product *p, const char *counted, char *text, size_t size);
 
 typedef struct picture {

@@ -67,7 +67,7 @@ static bool looks_like_degrees(const terrain *t, const io_place *p, const double
 
 double ground_round(const terrain *t) { return t->geographic ? 2 * 3.14159265358979323846 / t->unit : 0; }
 
-/* A longitude outside the raster, as the raster counts it: up to two rounds nearer to its middle. More are no longitude. */
+/* A longitude outside the raster, as the raster counts it: up to two rounds nearer its middle. More is no longitude. */
 static double turned(const terrain *t, double x) {
     double low[2], high[2];
     ground_extent(t, low, high);
@@ -132,8 +132,8 @@ static double length_between(const terrain *t, const io_place *a, const io_place
 
 static bool fail_many(io_error *error) { return io_fail(error, "there are more than %d observers", OBSERVERS_MOST); }
 
-/* Observers from one corner up to the next, and there too if it is the last. *step: how far the next one stands from the line's
- * beginning, in steps; before: the corner's distance from there. */
+/* Observers from one corner up to the next, and there too if it is the last. *step: how far the next one stands from
+ * the line's beginning, in steps; before: the corner's distance from there. */
 static bool put_between(io_points *o, const io_place *a, double before, double length, double every, double *step,
                         io_error *error) {
     const io_place *b = a + 1;

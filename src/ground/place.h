@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Places on the map, as text and in the field; many of them from a file or along a line; and what one of them sees, in numbers. */
+/* Places on the map, as text and in the field; many from a file or along a line; and what one sees, in numbers. */
 #ifndef CELLWALK_GROUND_PLACE_H
 #define CELLWALK_GROUND_PLACE_H
 
@@ -31,7 +31,7 @@ place_state ground_try_place(const terrain *t, const io_place *p, double at[3], 
 /* The same, with an error unless the place is good. level_there may be NULL. */
 bool ground_find_place(const terrain *t, const io_place *p, double at[3], double *level_there, io_error *error);
 
-/* A whole round of longitude, by which a file may count otherwise than the raster; 0 unless the map's x and y are angles. */
+/* A round of longitude, by which a file may count otherwise than the raster; 0 unless the map's x and y are angles. */
 double ground_round(const terrain *t);
 
 enum { OBSERVERS_MOST = 1 << 24 };
@@ -46,8 +46,8 @@ typedef struct observers_from {
     double every;  /* > 0: the places are corners of lines, and observers stand so many metres apart on them */
 } observers_from;
 
-/* Reads the file, if there is one, and finds all places; from must stay. Of g the whole terrain counts, and for a file the coordinate
- * system and the watch. On failure there is nothing to free. */
+/* Reads the file, if there is one, and finds all places; from must stay. Of g the whole terrain counts, and for a file
+ * the coordinate system and the watch. On failure there is nothing to free. */
 bool observers_find(io_points *o, const observers_from *from, const ground *g, io_error *error);
 
 typedef struct view_sum {
@@ -55,8 +55,8 @@ typedef struct view_sum {
     double farthest, farthest_at[2]; /* metres, and where on the map; NaN: nothing is in sight */
 } view_sum;
 
-/* Of the samples of a rectangle of the terrain that are not 0, and not 0 in within unless that is NULL, as seen from eye in field
- * coordinates. */
+/* Of the samples of a rectangle of the terrain that are not 0, and not 0 in within unless that is NULL, as seen from
+ * eye in field coordinates. */
 view_sum view_sum_of(const terrain *t, cw_rectangle at, const uint16_t *seen, const uint8_t *within,
                      const double eye[2]);
 

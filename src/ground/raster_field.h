@@ -25,8 +25,8 @@ typedef struct raster_field {
     io_raster raster; /* owner of the samples if the field borrows them */
 } raster_field;
 
-/* Reads a raster and builds its field for query: nothing that this does not need, and on its pool. On failure there is nothing to
- * close. */
+/* Reads a raster and builds its field for query: nothing that this does not need, and on its pool. On failure there is
+ * nothing to close. */
 bool raster_field_open(raster_field *f, const char *path, const io_raster_options *options,
                        const ground_coarser *coarser, const cw_run *query, const ground_watch *watch, io_error *error);
 

@@ -9,13 +9,13 @@
 #include "sun.h"
 #include "terrain.h"
 
-/* Where a place of the map is on earth, or if xy is NULL the terrain's middle. An error if the map is not in degrees and names no
- * coordinate system; path is for messages, and so is instead: what the user can do, or NULL. */
+/* Where a place of the map is on earth, or if xy is NULL the terrain's middle. An error if the map is not in degrees
+ * and names no coordinate system; path is for messages, and so is instead: what the user can do, or NULL. */
 bool sun_place_of(const terrain *t, const io_georef *georef, const double xy[2], const char *path, const char *instead,
                   sun_place *place, io_error *error);
 
-/* Places of the sun from a table with the columns azimuth, from the map's north, altitude as it is seen, and weight (1 if there is
- * none). sun_list_free is to be called after a failure, too. */
+/* Places of the sun from a table with the columns azimuth, from the map's north, altitude as it is seen, and weight (1
+ * if there is none). sun_list_free is to be called after a failure, too. */
 typedef struct sun_list {
     size_t count;
     sun_position *suns;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Input files, opened and measured, with errors for a person; and remembered, so that no output replaces one of them. They are known by
- * device and inode: a name may be spelt in many ways, and links give a file several. */
+/* Input files, opened and measured, with errors for a person; and remembered, so that no output replaces one of them.
+ * They are known by device and inode: a name may be spelt in many ways, and links give a file several. */
 #ifndef CELLWALK_IO_INPUTS_H
 #define CELLWALK_IO_INPUTS_H
 
@@ -15,8 +15,8 @@
 void io_inputs_protect(void);
 bool io_inputs_are_protected(void);
 
-/* Remembers a file that will be read later than the output is opened; nothing unless protected. False when out of memory. One that is
- * not there is passed over: reading it will fail. */
+/* Remembers a file that will be read later than the output is opened; nothing unless protected. False when out of
+ * memory. One that is not there is passed over: reading it will fail. */
 bool io_inputs_note_path(const char *path);
 
 /* True if that file is remembered. */

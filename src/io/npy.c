@@ -17,8 +17,8 @@ enum { HEADER_MAX = 1 << 16 };
 
 /* ---- the header -------------------------------------------------------------------------------------------------- */
 
-/* The header is the text of a Python dictionary with exactly the keys descr, fortran_order and shape. It is read strictly:
- * text that NumPy does not write is an error that names the byte. */
+/* The header is the text of a Python dictionary with exactly the keys descr, fortran_order and shape. It is read
+ * strictly: text that NumPy does not write is an error that names the byte. */
 typedef struct cursor {
     const char *text, *at; /* ends in a NUL byte */
     const char *path;

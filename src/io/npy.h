@@ -44,8 +44,8 @@ void io_npy_shape_text(size_t rank, const uint64_t *shape, char *text, size_t si
  * failure. */
 const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *error);
 
-/* Writes the header of an array of that shape at the start of an output, and claims room for all of it, so that a full
- * disk is found out before the work. type is a Python expression: "'<f4'" or a list of fields; item its size in bytes. */
+/* Writes the header of an array of that shape at the start of an output and claims room for all of it, so that a full
+ * disk is found before the work. type is a Python expression: "'<f4'" or a list of fields; item its size in bytes. */
 bool io_npy_write_header(io_output *output, const char *type, size_t item, size_t rank, const uint64_t *shape,
                          io_error *error);
 

@@ -17,7 +17,7 @@
 #include <sys/xattr.h>
 #endif
 
-/* ---- where an output goes -------------------------------------------------------------------------------------------------- */
+/* ---- where an output goes ---------------------------------------------------------------------------------------- */
 
 int io_output_descriptor(const char *path) {
     const char *number = strncmp(path, "/dev/fd/", 8) == 0          ? path + 8
@@ -43,8 +43,8 @@ static bool stat_folder(const char *path, struct stat *about) {
            stat(folder, about) == 0;
 }
 
-/* The rule of Linux's fs.protected_symlinks, which opening by name would obey: in a shared folder anybody can put a link
- * where an output is expected. */
+/* The rule of Linux's fs.protected_symlinks, which opening by name would obey: in a shared folder anybody can put a
+ * link where an output is expected. */
 static bool may_follow(const char *path) {
     struct stat link, folder;
     if (lstat(path, &link) != 0 || !stat_folder(path, &folder)) return false;
@@ -54,7 +54,7 @@ static bool may_follow(const char *path) {
     return false;
 }
 
-/* The file at the end of a chain of links, which need not exist; stops at a name of a descriptor. To be freed; NULL with errno. */
+/* The end of a chain of links: a file, which need not exist, or a descriptor's name. To be freed; NULL with errno. */
 static char *follow(const char *path) {
     enum { LINKS_MAX = 40 };
     char name[PATH_MAX], link[PATH_MAX];
@@ -74,7 +74,7 @@ static char *follow(const char *path) {
     return NULL;
 }
 
-/* Two names that lead to one file are found equal before and after the file exists. Devices equal nothing. Inode 0: not known. */
+/* Two names that lead to one file are equal before and after it exists. Devices equal nothing. Inode 0: not known. */
 typedef struct identity {
     struct stat file, folder;
     const char *base; /* in the folder; the target's own text */
@@ -95,7 +95,7 @@ static bool is_same(const identity *a, const identity *b) {
     return is_one(&a->file, &b->file) || (is_one(&a->folder, &b->folder) && strcmp(a->base, b->base) == 0);
 }
 
-/* ---- what stays of a file that is replaced ---------------------------------------------------------------------------------- */
+/* ---- what stays of a file that is replaced ----------------------------------------------------------------------- */
 
 /* With a list, the mode's bits for the group are the most that the list grants: without the list, they would be the
  * group's own. A new file may have inherited a list from its folder. */
@@ -113,9 +113,9 @@ static bool keep_list(int fd, const char *old_path) {
 #endif
 }
 
-/* Gives the new file fd the owner, group, access control list and permissions of the old one, so that nobody may do more with it.
- * Set-user-ID, set-group-ID and sticky bits are never kept. Where the group or the list cannot be, group and others get the permissions
- * that both had. False if the owner cannot be kept: then nothing of the old file's rights has a meaning for the new one. */
+/* Gives the new file fd the owner, group, access control list and permissions of the old one, so nobody may do more
+ * with it. Set-user-ID, set-group-ID and sticky bits are never kept. Where the group or the list cannot be, group and
+ * others get the permissions both had. False if the owner cannot be kept: without it the old rights mean nothing. */
 static bool keep_rights(int fd, const char *old_path, const struct stat *old) {
     struct stat now;
     if (fstat(fd, &now) != 0) return false;
@@ -129,11 +129,11 @@ static bool keep_rights(int fd, const char *old_path, const struct stat *old) {
     return fchmod(fd, mode) == 0;
 }
 
-/* ---- temporary files ---------------------------------------------------------------------------------------------------------- */
+/* ---- temporary files --------------------------------------------------------------------------------------------- */
 
-/* The names stand in a static table that never moves and is never freed, so that a signal handler can remove the files while
- * another thread opens or closes one. A slot goes FREE -> CLAIMED -> LIVE -> CLAIMED -> FREE by its owner; a signal handler may
- * take LIVE to GONE. */
+/* The names stand in a static table that never moves and is never freed, so that a signal handler can remove the files
+ * while another thread opens or closes one. A slot goes FREE -> CLAIMED -> LIVE -> CLAIMED -> FREE by its owner; a
+ * signal handler may take LIVE to GONE. */
 enum { FREE, CLAIMED, LIVE, GONE };
 
 static struct slot {
@@ -149,7 +149,7 @@ static bool take(struct slot *s, int next) {
     return s->process == getpid() && atomic_compare_exchange_strong(&s->state, &expected, next);
 }
 
-/* Also what is GONE: a handler that a second signal interrupts may not have removed it yet, and the second ends the process. */
+/* Also what is GONE: a handler interrupted by a second signal, which ends the process, may not have removed it yet. */
 void io_output_discard_all(void) {
     for (struct slot *s = slots; s < slots + IO_OUTPUT_MAX; s++)
         if (take(s, GONE) || (s->process == getpid() && atomic_load(&s->state) == GONE)) unlink(s->temporary);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Output files, renamed into place when complete. The bytes go to a hidden file in the same folder, ".NAME.16 digits.tmp", which is
- * removed when the output fails and when the process ends or is interrupted. A file that is replaced stays as it is until the
- * new bytes are on the disk; the new one has its owner, group, access list and permissions. In a folder that is sticky and writable for
- * all, as /tmp, only links of the user's own or of the folder's owner are followed.
- * Devices and pipes (/dev/stdout) are written directly; "-" is standard output. No output replaces an input (inputs.h). */
+/* Output files, renamed into place when complete. The bytes go to a hidden file in the same folder, ".NAME.16
+ * digits.tmp", removed when the output fails and when the process ends or is interrupted. A file that is replaced stays
+ * as it is until the new bytes are on the disk; the new one has its owner, group, access list and permissions. In a
+ * sticky folder writable for all, as /tmp, only the user's links and the folder owner's are followed. Devices and pipes
+ * (/dev/stdout) are written directly; "-" is standard output. No output replaces an input (inputs.h). */
 #ifndef CELLWALK_IO_OUTPUT_H
 #define CELLWALK_IO_OUTPUT_H
 
@@ -36,15 +36,15 @@ typedef struct io_output {
 enum { IO_OUTPUT_MAX = 64 };
 bool io_output_open(io_output *out, const char *path, io_error *error);
 
-/* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor leads: a file
- * that a shell opened to append to must not be replaced. */
+/* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor
+ * leads: a file that a shell opened to append to must not be replaced. */
 int io_output_descriptor(const char *path);
 
 /* The name of the temporary file of an output that is not direct, for libraries that open files themselves. */
 const char *io_output_temporary(const io_output *out);
 
-/* A temporary file beside that of another output, for intermediate results: suffix is added to its name. It is discarded, never
- * committed. */
+/* A temporary file beside that of another output, for intermediate results: suffix is added to its name. It is
+ * discarded, never committed. */
 bool io_output_open_scratch(io_output *out, const io_output *beside, const char *suffix, io_error *error);
 
 /* Claims room for a file of this size, so that a full disk is found out before the work and not after it. File systems
@@ -54,8 +54,8 @@ bool io_output_reserve(io_output *out, uint64_t bytes, io_error *error);
 /* Writes to out->file. False, with the file and the system's reason in error, when that fails. */
 bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *error);
 
-/* For libraries that write to the file themselves and have failed: tries to write more, which spoils the file. False, with the system's
- * reason, if that fails. */
+/* For libraries that write to the file themselves and have failed: tries to write more, which spoils the file. False,
+ * with the system's reason, if that fails. */
 bool io_output_has_room(io_output *out, io_error *error);
 
 /* Writes text as printf writes it in the C locale. */

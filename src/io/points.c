@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Names go into messages, tables and metadata: text alone, on one line, and without the rest of a character that was cut. */
+/* Names go into messages, tables and metadata: text alone, on one line, without the rest of a cut character. */
 static void tidy(char *name, size_t size) {
     size_t length = strlen(name);
     if (length + 1 == size) { /* back to the character's first byte */
@@ -53,7 +53,7 @@ const char *io_place_text(const io_place *p, char text[IO_PLACE_ROOM]) {
     return text;
 }
 
-/* ---- tables ------------------------------------------------------------------------------------------------------- */
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
 
 enum { X, Y, HEIGHT, WEIGHT, NAME, NAMES };
 static const char *const names[NAMES] = {"x", "y", "height", "weight", "name"};
@@ -92,7 +92,7 @@ static bool read_table(const char *path, const io_points_options *o, io_points *
     return good;
 }
 
-/* ---- all others ----------------------------------------------------------------------------------------------------- */
+/* ---- all others -------------------------------------------------------------------------------------------------- */
 
 static const io_gdal *load(const char *path, const char *what, io_error *error) {
     io_error reason;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Places from files: rows of a table (.csv) with the columns x, y and, if there, height, weight and name; or the features of any other
- * file, which GDAL reads, with such attributes. */
+/* Places from files: rows of a table (.csv) with the columns x, y and, if there, height, weight and name; or the
+ * features of any other file, which GDAL reads, with such attributes. */
 #ifndef CELLWALK_IO_POINTS_H
 #define CELLWALK_IO_POINTS_H
 
@@ -29,7 +29,7 @@ typedef struct io_place {
 enum { IO_PLACE_ROOM = 400 };
 const char *io_place_text(const io_place *p, char text[IO_PLACE_ROOM]);
 
-/* The place in a row of a table; numbers from its number of columns on are columns that it has not, and then *p stays. */
+/* The place in a row of a table; numbers from its number of columns on are columns that it lacks, and then *p stays. */
 bool io_place_take(const io_table *t, size_t row, size_t x, size_t y, size_t height, size_t name, io_place *p,
                    io_error *error);
 

@@ -48,7 +48,7 @@ static bool take_quoted(scanner *s, char **cell, char **end) {
     return io_fail(s->error, "%s:%zu: text stands behind a quotation mark that ends a cell", s->table->path, s->line);
 }
 
-/* A cell; *last: it ends its row. Its end is put where the comma or the line's end was, so that comes after looking at it. */
+/* A cell; *last: it ends its row. Its end is put where the comma or the line's end was, after looking at that. */
 static bool take_cell(scanner *s, char **cell, bool *last) {
     char *end = s->at;
     skip_blanks(s);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tables in text files: CSV as RFC 4180 has it, in UTF-8. The first line names the columns; lines of nothing but blanks are
- * passed over; cells may stand in quotation marks. Lines end in LF, CRLF or CR, and a byte order mark is passed over. */
+/* Tables in text files: CSV as RFC 4180 has it, in UTF-8. The first line names the columns; blank lines are passed
+ * over; cells may stand in quotation marks. Lines end in LF, CRLF or CR, and a byte order mark is passed over. */
 #ifndef CELLWALK_IO_TABLE_H
 #define CELLWALK_IO_TABLE_H
 
@@ -20,14 +20,14 @@ typedef struct io_table {
     char *text;    /* of the file; names and cells point into it */
 } io_table;
 
-/* path must stay. An error for a file without a line, for rows with fewer or more cells than there are columns, and for a first line
- * with semicolons or tabs between its names. On failure the table needs no freeing. */
+/* path must stay. An error for a file without a line, for rows with fewer or more cells than there are columns, and for
+ * a first line with semicolons or tabs between its names. On failure the table needs no freeing. */
 bool io_table_read(const char *path, io_table *table, io_error *error);
 void io_table_free(io_table *table);
 
-/* Numbers of columns by name, whatever its case. The first `needed` must be there; others are table->columns if they are not. An error if
- * two columns have one of the names. Warns of columns with other names: a misspelt one would change an
- * answer without a word. */
+/* Numbers of columns by name, whatever its case. The first `needed` must be there; others are table->columns if they
+ * are not. An error if two columns have one of the names. Warns of columns with other names: a misspelt one would
+ * change an answer without a word. */
 bool io_table_columns(const io_table *table, const char *const *names, size_t count, size_t needed, size_t *columns,
                       const io_warner *warn, io_error *error);
 

@@ -27,8 +27,8 @@ void cw_compass_destroy(compass *c) {
     *c = (compass){0};
 }
 
-/* Turns to the rectangle's first row, and ends it where headings do: the same rows of the whole raster share headings, wherever a
- * rectangle begins. */
+/* Turns to the rectangle's first row, and ends it where headings do: the same rows of the whole raster share headings,
+ * wherever a rectangle begins. */
 static void turn(compass *c, cw_rectangle *at) {
     const terrain *whole = terrain_whole(c->terrain);
     const size_t row = at->j + c->terrain->row;

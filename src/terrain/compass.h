@@ -33,10 +33,10 @@ typedef struct compass_way {
 } compass_way;
 cw_status cw_compass_look(compass *c, size_t k, compass_way *way);
 
-/* Frees heading number k, which is made anew when it is needed again: for so many directions that they do not fit into memory. */
+/* Frees heading k, which is made anew when needed again: for so many directions that they do not fit into memory. */
 void cw_compass_release(compass *c, size_t k);
 
-/* Writes the numbers of a block of rows that share headings, at.nx to a row. room: of the product's bytes for each sample. */
+/* Writes the numbers of a block of rows that share headings, at.nx to a row. room: of the product's bytes a sample. */
 typedef cw_status compass_fill(void *context, const cw_run *run, cw_rectangle at, void *to, void *room);
 
 /* Fills an area that has begun, bytes to a number. */

@@ -105,7 +105,7 @@ static void widen(cw_stretch *s, const cw_stretch *by) {
 /* Of stretch k of a level, from its crossings or from the stretches below. */
 static void bound_stretch(cw_heading *h, int level, uint32_t k) {
     cw_stretch *s = &h->stretch[level][k];
-    /* Without crossings, as the last one may be, it lies outside every field; sums with these bounds do not overflow. */
+    /* Without crossings, as the last may be, it lies outside every field; sums with these bounds do not overflow. */
     enum { OUTSIDE = 1 << 30 };
     *s = (cw_stretch){s->first, INFINITY, 0, INFINITY, OUTSIDE, -OUTSIDE, OUTSIDE, -OUTSIDE};
     for (size_t n = s[0].first; level == 0 && n < s[1].first; n++) {

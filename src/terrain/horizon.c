@@ -100,7 +100,7 @@ static void to_degrees(void *context, size_t begin, size_t end) {
         t->degrees[k] = t->degrees[k] == -INFINITY ? NAN : cw_horizon_degrees(t->degrees[k] * t->per_rise);
 }
 
-/* ---- angles and distances ---------------------------------------------------------------------------------------------- */
+/* ---- angles and distances ---------------------------------------------------------------------------------------- */
 
 typedef struct locating {
     const horizon *horizon;
@@ -109,7 +109,7 @@ typedef struct locating {
     float *metres; /* rises for each step that the heading has found, and then distances */
 } locating;
 
-/* Metres to the horizon of a sample, of which the rise is known as a float. With that most of the line of sight is passed over. */
+/* Metres to a sample's horizon, whose rise is known as a float. With that most of the line of sight is passed over. */
 static float locate(const locating *l, size_t i, size_t j, double rise) {
     const terrain *t = l->horizon->terrain;
     const compass_way *way = l->way;
@@ -184,7 +184,7 @@ cw_status cw_horizon_angles(const cw_terrain *t, const cw_run *run, const cw_hor
     return status;
 }
 
-/* ---- the sky -------------------------------------------------------------------------------------------------------- */
+/* ---- the sky ----------------------------------------------------------------------------------------------------- */
 
 /* Sums over directions for the samples of a block. */
 typedef struct adding {
@@ -231,7 +231,7 @@ static void add_opening(void *context, size_t begin, size_t end) {
 
 static bool leans(const horizon *h) { return !h->opens && (h->desc.flags & CW_HORIZON_TILTED) != 0; }
 
-/* Shares of a free sky are 1: a sum of so many of them. On leaning ground that counts times the normal's upward part. */
+/* Shares of a free sky are 1: a sum of so many. On leaning ground that counts times the normal's upward part. */
 static void finish(void *context, size_t begin, size_t end) {
     const adding *a = context;
     for (size_t k = begin; k < end; k++) {

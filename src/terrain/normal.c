@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-/* Each triangle of the grid covers the same half cell, so the area-weighted mean of normals (-x, -y, 1) is the mean of the
- * leans. */
+/* Each triangle of the grid covers the same half cell, so the area-weighted mean of normals (-x, -y, 1) is the mean of
+ * the leans. */
 static void find_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
     /* The six triangles, each by the sample that it has beside (i, j) and the next one round the clock. */
     static const int around[7][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, 0}};

@@ -36,7 +36,7 @@ bool cw_terrain_place(terrain *t, const double (*map)[4], const cw_terrain_desc 
     return isfinite(t->back[0][2]) && isfinite(t->back[1][2]);
 }
 
-/* On an ellipsoid the meridian's radius of curvature is a (1 - e²) / w³, the one across it a / w, w² = 1 - e² sin² latitude. */
+/* On an ellipsoid the meridian's radius of curvature is a (1 - e²) / w³, across it a / w, w² = 1 - e² sin² latitude. */
 void cw_terrain_metres(const terrain *t, double i, double j, double metres[2]) {
     metres[0] = metres[1] = t->unit;
     if (!terrain_has_rows(t)) return;
@@ -118,8 +118,8 @@ size_t cw_terrain_rows_alike(const terrain *t, size_t row) {
     return rows;
 }
 
-/* Moves a place to the sample that is within a millimetre of it on the ground; of cells of some millimetres, within a part
- * of them that no place is written for. */
+/* Moves a place to the sample that is within a millimetre of it on the ground; of cells of some millimetres, within a
+ * part of them that no place is written for. */
 static void snap_to_sample(const terrain *whole, double at[2]) {
     static const double near = 1e-3, part = 0x1p-6;
     const double sample[2] = {nearbyint(at[0]), nearbyint(at[1])}, i = at[0] - sample[0], j = at[1] - sample[1];
@@ -137,7 +137,7 @@ bool cw_terrain_find_place(const terrain *t, double x, double y, double at[2]) {
     terrain_from_map(whole, x, y, at);
     const bool near = fabs(at[0]) <= 0x1p24 && fabs(at[1]) <= 0x1p24; /* lines of sight can be computed */
     for (int c = 0; c < 2 && near; c++) {
-        /* The coordinates and the map's numbers are off by half a last digit each, and so are products and sums of them. */
+        /* Coordinates and the map's numbers are off by half a last digit each, and so are their products and sums. */
         const double *b = whole->back[c];
         slack[c] = fmax(unit, 0x1p-51 * (fabs(b[0] * x) + fabs(b[1] * y) + fabs(b[2])));
         at[c] = nearbyint(at[c] / unit) * unit;

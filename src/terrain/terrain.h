@@ -2,12 +2,12 @@
 /* A height field as a piece of the earth: where its samples lie on the map, the map's units in metres, and where the
  * compass points.
  *
- * The surface is the one that the field's rays meet, two triangles a cell. Directions of the compass are the map's:
- * 0 is the direction in which y grows, 90 the one in which x does. On a map in degrees, metres in a degree are those
- * at the row in question, and so are metres of ground in the unit of a projected map whose scale is known (map_scale.h).
- * Lines are straight on the map. So at latitude φ a place at distance L is met up to L
- * tan φ / 2 R beside its azimuth, 0.027 degrees for 5 km at 50 degrees, and its distance is wrong by up to 0.385
- * times that share, 0.02 %. papers/terrain.md has the measurement. */
+ * The surface is the one that the field's rays meet, two triangles a cell. Directions of the compass are the map's: 0
+ * is the direction in which y grows, 90 the one in which x does. On a map in degrees, metres in a degree are those at
+ * the row in question, and so are metres of ground in the unit of a projected map whose scale is known (map_scale.h).
+ * Lines are straight on the map. So at latitude φ a place at distance L is met up to L tan φ / 2 R beside its azimuth,
+ * 0.027 degrees for 5 km at 50 degrees, and its distance is wrong by up to 0.385 times that share, 0.02 %.
+ * papers/terrain.md has the measurement. */
 #ifndef CELLWALK_TERRAIN_TERRAIN_H
 #define CELLWALK_TERRAIN_TERRAIN_H
 
@@ -44,8 +44,8 @@ struct cw_terrain {
     struct terrain_own *own;           /* of cw_terrain_create: the scale, and bounds once they are needed; else NULL */
 };
 
-/* Places a terrain, whose samples and sizes are set, on its map: heights in the unit of x and y, or in metres if these are angles.
- * False if the map cannot be inverted. The terrain keeps the pointers of the description, whose scale is a map_scale. */
+/* Places a terrain, whose samples and sizes are set, on its map: heights in the unit of x and y, or in metres if these
+ * are angles. False if the map cannot be inverted. Keeps the pointers of desc, whose scale is a map_scale. */
 bool cw_terrain_place(terrain *t, const double (*map)[4], const cw_terrain_desc *desc);
 
 static inline const float *terrain_row(const terrain *t, size_t j) { return t->z + j * t->stride; }

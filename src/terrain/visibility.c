@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How much every place sees: the ground in sight of an eye above each sample, along even directions.
  *
- * Along each direction the parts of the surface in sight are exact (cw_visible_add). The area is the sum over directions of
- * (2 π / count) ∫ t dt over the distances t in sight: papers/terrain.md has its error by the number of directions. */
+ * Along each direction the parts of the surface in sight are exact (cw_visible_add). The area is the sum over
+ * directions of (2 π / count) ∫ t dt over the distances t in sight: papers/terrain.md has its error by count. */
 #include "area.h"
 #include "fpenv.h"
 #include "visible.h"
@@ -83,8 +83,8 @@ static cw_status add_direction(finding *f, const cw_run *run, size_t number, siz
     return status;
 }
 
-/* Eyes in rows that share their scale look together. These rows begin where they do for all of the raster, so that each eye has the same
- * ones in any part of it. */
+/* Eyes in rows that share their scale look together. These rows begin where they do for all of the raster, so that each
+ * eye has the same ones in any part of it. */
 static cw_status add_directions(finding *f, const cw_run *run) {
     size_t start = 0;
     while (eyes_before(f, start + cw_terrain_rows_alike(f->whole, start)) == 0)

@@ -10,8 +10,8 @@
 
 /* The most pixels that a picture is rendered with, and a scene's images have together: 3 GiB of floats. */
 enum { IO_IMAGE_PIXELS_MAX = 1 << 28 };
-/* No compression packs pictures closer, be they of one colour: blocks of 8 x 8 pixels become one value, and zlib packs such
- * values by 1032 to 1 at best. A file of a few bytes can claim any number of pixels. */
+/* No compression packs pictures closer, be they of one colour: blocks of 8 x 8 pixels become one value, and zlib packs
+ * such values by 1032 to 1 at best. A file of a few bytes can claim any number of pixels. */
 enum { IO_EXR_PIXELS_PER_BYTE_MAX = 1 << 16 };
 enum { IO_IMAGE_ROOM = 64 };
 
@@ -25,14 +25,14 @@ typedef struct io_image {
     uint16_t *halves;
 } io_image;
 
-/* Writes into an output, which stays open. The format follows from the ending of its name: .exr (half RGBA, alpha 1) or .png (8 bit,
- * sRGB). */
+/* Writes into an output, which stays open. The format follows from the ending of its name: .exr (half RGBA, alpha 1) or
+ * .png (8 bit, sRGB). */
 bool io_image_put(io_output *out, const io_image *image, io_error *error);
 
 /* Reads .exr (any channel types, R G B or Y) of at most that many pixels. The caller frees them with io_image_free. */
 bool io_image_read(const char *path, size_t most, io_image *image, io_error *error);
-/* Allocates a picture's halves; false, with error, if they are too many or memory is short. Nothing is set. path: the name
- * in the error message. */
+/* Allocates a picture's halves; false, with error, if they are too many or memory is short. Nothing is set. path: the
+ * name in the error message. */
 bool io_image_allocate(io_image *image, size_t width, size_t height, size_t most, const char *path, io_error *error);
 void io_image_free(io_image *image);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* OpenEXR through its C library, which opens files by their names, and goes back in one that it writes to fill in the table of chunks: a
- * pipe cannot be written to. */
+/* OpenEXR through its C library, which opens files by their names, and goes back in one that it writes to fill in the
+ * table of chunks: a pipe cannot be written to. */
 
 #include "image.h"
 #include "inputs.h"
@@ -9,8 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The first message about the picture that this thread is at, to follow the file's name in ours. The library tells errors while it holds
- * its own lock, on which asking it for the context's user data would wait for ever. */
+/* The first message about the picture that this thread is at, to follow the file's name in ours. The library reports
+ * errors while it holds its lock, on which asking it for the context's user data would wait for ever. */
 static _Thread_local char first_message[200];
 
 static void keep_message(exr_const_context_t context, exr_result_t code, const char *message) {
@@ -31,7 +31,7 @@ static int component(const char *name) {
     return place ? (int)(place - order) : -1;
 }
 
-/* ---- writing ------------------------------------------------------------------------------------------------------ */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 /* The chunk of lines that begins with line y. */
 static bool encode_chunk(exr_context_t context, exr_encode_pipeline_t *encoder, const io_image *image, int y) {
@@ -55,7 +55,7 @@ static bool encode_chunk(exr_context_t context, exr_encode_pipeline_t *encoder, 
            good(exr_encoding_run(context, 0, encoder));
 }
 
-/* Of zlib, whose default is 6: half of its time for files that are 4 % larger, measured on pictures of the six scenes. */
+/* Of zlib, whose default is 6: half of its time for files 4 % larger, measured on pictures of the six scenes. */
 enum { ZIP_LEVEL = 4 };
 
 static bool encode(const char *path, const io_image *image) {
@@ -89,7 +89,7 @@ bool io_exr_put(io_output *out, const io_image *image, io_error *error) {
            (io_output_has_room(out, error) && io_fail(error, "%s: cannot write: %s", out->name, first_message));
 }
 
-/* ---- reading ------------------------------------------------------------------------------------------------------ */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 typedef struct reader {
     exr_context_t context;

@@ -31,7 +31,7 @@ void io_unit_name(double metres, char *text) {
         if (fabs(metres / units[k].metres - 1) < 1e-8) snprintf(text, IO_UNIT_NAME - 1, "%s", units[k].name);
 }
 
-/* ---- well-known text ------------------------------------------------------------------------------------------------------ */
+/* ---- well-known text --------------------------------------------------------------------------------------------- */
 
 /* Well-known text (OGC 01-009, ISO 19162; ESRI's .prj files) is nested KEYWORD["name", …]. A terrain needs three
  * facts from it: whether the coordinates are angles, their unit, and the ellipsoid. */
@@ -53,8 +53,8 @@ static bool numbers(const char *node, double *value, int count) {
     return true;
 }
 
-/* The first node of these names, which stand between bars, in the text of another: behind its bracket. depth: 1 for that node's own, 0 for
- * those in them, too. */
+/* The first node of these names, which stand between bars, in the text of another: behind its bracket. depth: 1 for
+ * that node's own, 0 for those in them, too. */
 static const char *find(const char *text, const char *names, int depth) {
     static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_0123456789";
     char name[24]; /* no known one is cut */
@@ -100,7 +100,7 @@ bool io_georef_from_wkt(io_georef *georef, const char *wkt) {
     return true;
 }
 
-/* ---- the scale of a projection -------------------------------------------------------------------------------------------- */
+/* ---- the scale of a projection ----------------------------------------------------------------------------------- */
 
 /* What a map_scale leaves out may be this large: angles of the horizon are then off by up to 0.3 degrees. */
 static const double most = 0.01;

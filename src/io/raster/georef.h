@@ -41,8 +41,8 @@ void io_unit_name(double metres, char *text);
 bool io_georef_from_wkt(io_georef *georef, const char *wkt);
 
 /* Fills in the scale over nx × ny samples of a projected map. False if the map is no projected one, or its scale cannot
- * be had. Warns, by a sentence without a full stop that begins with name, where that matters: if the scale is not known,
- * and if it differs by direction or along a row by more than 1 %, which a map_scale does not have. */
+ * be had. Warns, by a sentence without a full stop that begins with name, where that matters: if the scale is not
+ * known, and if it differs by direction or along a row by more than 1 %, which a map_scale does not have. */
 bool io_scale_find(const io_georef *georef, double map[3][4], size_t nx, size_t ny, const char *name,
                    const io_warner *warn, map_scale *scale);
 

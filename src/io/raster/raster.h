@@ -9,9 +9,9 @@
 #include <stddef.h>
 
 /* Sample (i, j) is z[j * nx + i], row 0 being the file's first; missing data are NaN. map takes field space to the
- * coordinates of the file's map, and heights to the unit that georef says; it is the identity where the file has none. A
- * sample stands for its pixel's centre, so a file that gives its lower left corner has its first column half a pixel to the
- * right of that. */
+ * coordinates of the file's map, and heights to the unit that georef says; it is the identity where the file has none.
+ * A sample stands for its pixel's centre, so a file that gives its lower left corner has its first column half a pixel
+ * to the right of that. */
 typedef struct io_raster {
     size_t nx, ny;
     const float *z;
@@ -27,8 +27,8 @@ typedef struct io_raster_options {
     const double *nodata; /* nodata_count values that stand for no data, beside the one that the file names */
     size_t nodata_count;
     double cellsize; /* > 0: of a file that does not say: samples are that far apart, the first row in the north */
-    /* Of a file that does not say, without cellsize: samples are 1 apart and the first row is in the north, with a warning;
-     * georef.placed stays false. */
+    /* Of a file that does not say, without cellsize: samples are 1 apart and the first row is in the north, with a
+     * warning; georef.placed stays false. */
     bool north_up;
     double zscale;           /* > 0: one unit of height is so many of the map's (metres, if that is in degrees) */
     io_raster_window window; /* only these samples; nx = 0: all. An error if the raster lacks some of them */
@@ -52,11 +52,11 @@ typedef struct io_gdal_host {
     void (*hide_streams)(void), (*show_streams)(void);
 } io_gdal_host;
 
-/* Before the first raster is read or written, by the program; host must stay. Without it, as in Python, GDAL keeps its settings. */
+/* By the program, before any raster is read or written; host must stay. Else, as in Python, GDAL keeps its settings. */
 void io_raster_host(const io_gdal_host *host);
 
-/* The readers. The raster is empty, with the identity for its map. They leave to the caller: no-data by the options, cell size and unit
- * of heights, and freeing the raster on failure. */
+/* The readers. The raster is empty, with the identity for its map. They leave to the caller: no-data by the options,
+ * cell size and unit of heights, and freeing the raster on failure. */
 bool io_raster_read_npy(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 bool io_raster_read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 
@@ -68,7 +68,7 @@ static inline void io_raster_shift(io_raster *raster, size_t i, size_t j) {
     for (int k = 0; k < 2; k++) raster->map[k][3] += raster->map[k][0] * (double)i + raster->map[k][1] * (double)j;
 }
 
-/* For the readers: cuts a raster without samples to the options' window, if there is one. An error if the raster lacks some of it. */
+/* For the readers: cuts a raster without samples to the options' window, if any. An error if it lacks some of that. */
 static inline bool io_raster_cut(const io_raster_options *o, const char *path, io_raster *r, io_error *error) {
     const io_raster_window *w = &o->window;
     r->rows = r->ny;

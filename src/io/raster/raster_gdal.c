@@ -23,8 +23,8 @@ static bool is_beside(const char *file, const char *way, char path[PATH_MAX]) {
 }
 
 /* Where the module may lie: where CELLWALK_MODULES says; beside the shared object that this code is in, as in Python's
- * package; beside the program, as it is built; and where it is installed, a way from the program's folder that moves with it.
- * Without Linux's /proc the program is not known. */
+ * package; beside the program, as it is built; and where it is installed, a way from the program's folder that moves
+ * with it. Without Linux's /proc the program is not known. */
 static bool find_module(char path[PATH_MAX]) {
     static const char here;
     char program[PATH_MAX] = "";

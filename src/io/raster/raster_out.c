@@ -14,11 +14,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- the formats --------------------------------------------------------------------------------------------------------- */
+/* ---- the formats ------------------------------------------------------------------------------------------------- */
 
-/* Files beside a raster that programs read as part of it: statistics, smaller copies, masks, world files. Those of a file that is
- * replaced would be wrong for the new one, and are removed with it. Up to a NULL: ".ovr" is added to the raster's name, "*.tfw" takes
- * the place of its ending. */
+/* Files beside a raster that programs read as part of it: statistics, smaller copies, masks, world files. Those of a
+ * file that is replaced would be wrong for the new one, and are removed with it. Up to a NULL: ".ovr" is added to the
+ * raster's name, "*.tfw" takes the place of its ending. */
 typedef const char *const *sidecar_list;
 
 struct io_raster_sink {
@@ -28,7 +28,7 @@ struct io_raster_sink {
     sidecar_list sidecars;
     /* writer->output is open; on failure nothing is left but that. NULL: nothing comes before the rows. */
     bool (*create)(io_raster_writer *writer, io_error *error);
-    /* Rows from band 0 and row 0 on, of a picture all at once, or for GeoTIFF any windows. NULL: this build has no library for it. */
+    /* Rows from band 0, row 0 on, of a picture all at once, of GeoTIFF any windows. NULL: this build has no library. */
     bool (*write)(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,
                   io_error *error);
     /* Ends the file, which is whole if so it says, and frees writer->state. NULL: nothing comes after the rows. */
@@ -129,7 +129,7 @@ bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
     return true;
 }
 
-/* ---- files beside the raster ------------------------------------------------------------------------------------------- */
+/* ---- files beside the raster ------------------------------------------------------------------------------------- */
 
 /* False if the name is too long. */
 static bool name_sidecar(char name[PATH_MAX], const char *ending, const char *path) {
@@ -138,8 +138,8 @@ static bool name_sidecar(char name[PATH_MAX], const char *ending, const char *pa
     return snprintf(name, PATH_MAX, "%.*s%s", stem, path, ending + (ending[0] == '*')) < PATH_MAX;
 }
 
-/* What becomes of a list's files that are there: where no file is replaced, one is an error, since it would be read with the new
- * raster but may be wanted; else one that is an input; and after that they go, links and not what they lead to. */
+/* What becomes of a list's files that exist: where no file is replaced, one is an error, since it would be read with
+ * the new raster but may be wanted; else one that is an input; after that they go, links and not their targets. */
 typedef enum fate { MUST_BE_NONE, MUST_BE_NO_INPUT, GOES } fate;
 
 static bool treat_list(sidecar_list list, const char *path, fate what, io_error *error) {
@@ -165,8 +165,8 @@ static bool has_world(const io_raster_writer *w) {
     return w->sink == &sinks[PNG] && w->product.georef->placed && !w->output.direct;
 }
 
-/* Places a picture on its map for programs that read world files, as GIS do: x and y of a column, x and y of a row, and of the
- * upper left pixel's centre. */
+/* Places a picture on its map for programs that read world files, as GIS do: x and y of a column, x and y of a row, and
+ * of the upper left pixel's centre. */
 static bool write_world(io_raster_writer *w, io_error *error) {
     const double(*m)[4] = w->product.map;
     char path[PATH_MAX];
@@ -189,7 +189,7 @@ static bool check_sidecars(const io_raster_writer *w, io_error *error) {
     return treat_list(list, w->output.target, what, error) && treat_list(list, w->output.name, what, error);
 }
 
-/* ---- from the first row to the last -------------------------------------------------------------------------------------- */
+/* ---- from the first row to the last ------------------------------------------------------------------------------ */
 
 static void end(io_raster_writer *w) {
     for (int k = 0; k < 2; k++) io_output_discard(&w->beside[k]);
@@ -225,8 +225,8 @@ bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_err
     return true;
 }
 
-/* The world file is renamed right after the picture, in place of the one before it, whose rights it keeps. If it cannot be, the
- * old one would put the new picture in the wrong place. */
+/* The world file is renamed right after the picture, in place of the one before it, whose rights it keeps. If it cannot
+ * be, the old one would put the new picture in the wrong place. */
 static bool commit(io_raster_writer *w, io_error *error) {
     static const char *const world_file[] = {"*.pgw", NULL};
     char target[PATH_MAX], name[PATH_MAX]; /* beside either, programs look for sidecars */

@@ -51,15 +51,15 @@ bool io_raster_is_tif(const char *path);
 /* Whether it is that of a picture. */
 bool io_raster_is_png(const char *path);
 
-/* The side of a GeoTIFF's tiles along so many samples: 256 or less, so that the last tile is nearly full too, whose rest is
- * compressed for nothing. To be written fast, rows come in whole tiles. */
+/* The side of a GeoTIFF's tiles along so many samples: 256 or less, so that the last tile is nearly full too, whose
+ * rest is compressed for nothing. To be written fast, rows come in whole tiles. */
 static inline size_t io_raster_tile_side(size_t samples) {
     enum { MOST = 256, MULTIPLE = 16 }; /* TIFF requires multiples of 16 */
     const size_t tiles = (samples + MOST - 1) / MOST, side = (samples + tiles - 1) / tiles;
     return (side + MULTIPLE - 1) / MULTIPLE * MULTIPLE;
 }
 
-/* True if the ending is one that this build and this machine can write, with so many bands; else error lists those that can be. */
+/* True if this build and this machine can write the ending, with so many bands; else error lists those that can be. */
 bool io_raster_can_write(const char *path, size_t bands, io_error *error);
 
 /* False if GDAL has no such creation option for GeoTIFFs, or the option no such value. */
@@ -67,7 +67,7 @@ bool io_raster_check_creation(const char *const *creation, size_t count, bool co
 
 /* On failure writer needs no discard. */
 bool io_raster_create(io_raster_writer *writer, const char *path, const io_raster_product *product, io_error *error);
-/* The next rows: bands one after the other, each from row 0 on. Of a picture, all rows at once; cells are three bytes, its colours. */
+/* The next rows: band after band, each from row 0 on. Of a picture, all at once; cells are three bytes, its colours. */
 bool io_raster_write(io_raster_writer *writer, const void *cells, size_t rows, io_error *error);
 /* A rectangle of a band, in any order, each cell once; of a GeoTIFF alone. */
 bool io_raster_write_window(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,

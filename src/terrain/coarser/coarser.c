@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Coarser fields: every factor-th place of a field, as a field. difference.c measures how far the two lie apart.
  *
- * Each height follows from the samples around its place by the same operations in the same order, so the field has the same
- * bits for any number of threads. */
+ * Each height follows from the samples around its place by the same operations in the same order, so the field has the
+ * same bits for any number of threads. */
 
 #include "difference.h"
 

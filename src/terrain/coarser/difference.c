@@ -60,7 +60,7 @@ static inline void note(extremes *e, size_t lane, double d, double spread) {
     e->below[lane] = below > e->below[lane] ? below : e->below[lane];
 }
 
-/* Differences in row j of the full field, cell by cell of a row of the coarser one. The last column belongs to the cell before it. */
+/* Differences in row j of the full field, cell by cell of a coarser row. The last column belongs to the cell before. */
 static void difference_row(const measure *m, size_t row, size_t j, double *restrict here, extremes *e) {
     const samples *f = m->full, *g = m->coarser;
     const double factor = (double)m->factor, down = (double)(j - row * m->factor);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How much of a raster matters to a part of it: the rectangle of samples that must be in memory so that the part's answers have
- * the bits that they have with all of the raster.
+/* How much of a raster matters to a part of it: the rectangle of samples that must be in memory so that the part's
+ * answers have the bits that they have with all of the raster.
  *
  * Rectangles are in the numbers of the whole raster, and hold at least 2 x 2 samples where they are to be read. */
 #ifndef CELLWALK_TERRAIN_REACH_H
@@ -59,8 +59,8 @@ reach_sunward cw_reach_toward(const terrain *whole, const cw_light *light, cw_re
 /* Whether rays from the part toward the sun pass over a rectangle at all. */
 bool cw_reach_passes(const reach_sunward *sunward, cw_rectangle part, cw_rectangle over);
 
-/* The part and all that can throw a shadow on it. All blocks that rays from the part pass over must have been taken, and those
- * of the part. */
+/* The part and all that can throw a shadow on it. All blocks that rays from the part pass over must have been taken,
+ * and those of the part. */
 cw_rectangle cw_reach_of_shadows(const reach_blocks *blocks, const reach_sunward *sunward, cw_rectangle part);
 
 /* Horizons of samples of a window: what can matter to them, as far as highest and lowest samples of blocks tell. */
@@ -77,13 +77,13 @@ typedef struct reach_horizons {
     size_t *best;
 } reach_horizons;
 
-/* All blocks must have been taken, and stay. curvature as in cellwalk_terrain.h. above_level: what is not above the level of a sample
- * does not count for it, as in the sky view. */
+/* All blocks must have been taken, and stay. curvature as in cellwalk_terrain.h. above_level: what is not above the
+ * level of a sample does not count for it, as in the sky view. */
 cw_status cw_reach_horizons_create(const reach_blocks *blocks, cw_rectangle window, double curvature, bool above_level,
                                    reach_horizons *horizons);
 void cw_reach_horizons_destroy(reach_horizons *horizons);
 
-/* A part of the window and all that can be the horizon of its samples, normals included. Not from two threads at once. */
+/* A part of the window and all that can be its samples' horizon, normals included. Not from two threads at once. */
 cw_rectangle cw_reach_of_horizons(reach_horizons *horizons, cw_rectangle part);
 
 #endif

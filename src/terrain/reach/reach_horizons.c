@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A block of the raster matters to the horizons of samples in another if something in it may rise more steeply, from one of these
- * samples, than all that is nearer. With z the sample's height, H the block's highest, D the least distance in metres and c the
- * share of its square by which the earth's curvature lowers what is there, nothing in the block rises by more than
- * (H - z) / D - c D. On the way there, the ray crosses every ring of blocks around the sample's block that is nearer than the block
- * itself. It crosses the square in the ring's middle too, where its blocks are whole, on an edge between two samples of the ring.
- * So if the ring has no holes and its lowest sample is L, something rises by at least (L - z) / d - c d, d being a distance of
- * the ring. Both are straight lines in z, but that d is the ring's greatest distance where L is above z and its least where it
- * is below: so only the ends and z = L need be looked at.
+/* A block of the raster matters to the horizons of samples in another if something in it may rise more steeply, from
+ * one of these samples, than all that is nearer. With z the sample's height, H the block's highest, D the least
+ * distance in metres and c the share of its square by which the earth's curvature lowers what is there, nothing in the
+ * block rises by more than (H - z) / D - c D. On the way there the ray crosses every ring of blocks around the sample's
+ * block that is nearer than the block itself. It crosses the square in the ring's middle too, where its blocks are
+ * whole, on an edge between two samples of the ring. So if the ring has no holes and its lowest sample is L, something
+ * rises by at least (L - z) / d - c d, d being a distance of the ring. Both are straight lines in z, but that d is the
+ * ring's greatest distance where L is above z and its least where it is below: so only the ends and z = L matter.
  *
- * On a flat earth a summit sees to the end of the raster: this bounds little then, but where nothing below the level counts. */
+ * On a flat earth a summit sees to the raster's end, so this bounds little unless nothing below the level counts. */
 #include "reach.h"
 
 #include <math.h>

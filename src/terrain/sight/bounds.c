@@ -11,8 +11,8 @@ static inline float higher(float z, float h) {
     return height > h ? height : h;
 }
 
-/* The highest of 4 x 4 numbers each, and of `more` rows and columns after them: samples on a node's far borders belong to its closed
- * cells. columns: room for a row. */
+/* The highest of 4 x 4 numbers each, and of `more` rows and columns after them: samples on a node's far borders belong
+ * to its closed cells. columns: room for a row. */
 static void fold(const float *z, size_t nx, size_t ny, size_t stride, size_t more, float *columns, float *high) {
     const size_t across = (nx - more + 3) / 4, down = (ny - more + 3) / 4, side = 4 + more;
     for (size_t y = 0; y < down; y++, high += across) {

@@ -19,8 +19,8 @@ static bool put(profile *p, double share, double ground) {
     return true;
 }
 
-/* Crossings with the lines of a kind, which the way passes from place `from` on in steps `step`, in the part from begin to end as seen
- * from the target; the way's ends are left out. */
+/* Crossings with the lines of a kind, which the way passes from place `from` on in steps `step`, in the part from begin
+ * to end as seen from the target; the way's ends are left out. */
 static bool put_crossings(profile *p, const way *w, int kind, double from, double from_low, double step, double begin,
                           double end) {
     if (step == 0) return true;
@@ -49,8 +49,8 @@ static int compare(const void *a, const void *b) {
     return isnan(x->ground) - isnan(y->ground);
 }
 
-/* Lines that meet in a sample are crossed there by shares that differ by rounding: one of them stays, if possible one with
- * ground. */
+/* Lines that meet in a sample are crossed there by shares that differ by rounding: one of them stays, if possible one
+ * with ground. */
 static void drop_doubles(profile *p) {
     const double same = 4 * way_share_error;
     size_t kept = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The terrain along a line of sight: its height wherever the line crosses an edge between samples, between which it is straight. */
+/* The terrain along a line of sight: its height where the line crosses edges between samples; straight in between. */
 #ifndef CELLWALK_TERRAIN_PROFILE_H
 #define CELLWALK_TERRAIN_PROFILE_H
 
@@ -21,8 +21,8 @@ typedef struct profile {
 cw_status cw_profile_make(profile *p, const sight *s, double i, double j, double z);
 void cw_profile_free(profile *p);
 
-/* The same part by part: adds the crossings with shares from first to last, of which the parts cover 0 to 1. A part may have a sight
- * on another piece of the terrain. Then cw_profile_finish, on any of them. */
+/* The same part by part: adds the crossings with shares from first to last, of which the parts cover 0 to 1. A part may
+ * have a sight on another piece of the terrain. Then cw_profile_finish, on any of them. */
 cw_status cw_profile_add(profile *p, const sight *s, double i, double j, double z, double first, double last);
 void cw_profile_finish(profile *p, const sight *s, double i, double j, double z);
 

@@ -51,8 +51,8 @@ typedef struct sight_rise {
 } sight_rise;
 sight_rise cw_sight_steepest(const sight *s, double i, double j, double least);
 
-/* The least share of the way to (i, j) at which something rises as steeply as that, the steepest, but for twice the error of
- * either: of a plane through the eye, all crossings are such ties. */
+/* The least share of the way to (i, j) at which something rises as steeply as that, the steepest, but for twice the
+ * error of either: of a plane through the eye, all crossings are such ties. */
 double cw_sight_nearest(const sight *s, double i, double j, sight_rise steepest);
 
 /* Parts of the way to a place: the first so many cells from it, or all of it, and the last cell before the eye.

@@ -3,8 +3,8 @@
 
 #include <stdlib.h>
 
-/* Narrow edges are widened to whole parts, by half of one at least on each side: other edges end where they stand, and rounding leaves a
- * gap between these. */
+/* Narrow edges are widened to whole parts, by half of one at least on each side: other edges end where they stand, and
+ * rounding leaves a gap between these. */
 #define PART (SKYLINE_BLUR / 8)
 
 bool cw_skyline_init(skyline *s, double from, double until) {
@@ -52,8 +52,8 @@ static bool make_room(skyline *s, size_t cuts) {
 
 static float rounded_up(double x) { return x > 0 ? (float)(x * (1 + 0x1p-22)) : 0; }
 
-/* Two narrow edges in one part become one piece: a look that sees one sees the other, but at the ends of its reach. Kept apart, all that
- * were ever seen beside a strip would stay. */
+/* Two narrow edges in one part become one piece: a look that sees one sees the other, but at the ends of its reach.
+ * Kept apart, all that were ever seen beside a strip would stay. */
 static void join(skyline_piece *to, const skyline_piece *p) {
     const double one = to->a - (double)to->below, other = p->a - (double)p->below;
     to->a = skyline_larger(to->a, p->a);
@@ -96,8 +96,8 @@ static uint32_t put_between(skyline *s, uint32_t at) {
     return fresh;
 }
 
-/* The cuts take the place of the pieces from first to last. The first cut and the last stay in these two, if there are as many:
- * others point to pieces before and behind an edge. */
+/* The cuts take the place of the pieces from first to last. The first cut and the last stay in these two, if there are
+ * as many: others point to pieces before and behind an edge. */
 static void put_in_place(skyline *s, uint32_t first, uint32_t last, size_t n) {
     const uint32_t behind = s->next[last];
     uint32_t at = first;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The skyline: how high the highest of many straight edges stands in each direction of a range, as pieces of those edges.
- * Directions u and rises w are those of a projection, so that edges stay straight.
+/* The skyline: how high the highest of many straight edges stands in each direction of a range, as pieces of those
+ * edges. Directions u and rises w are those of a projection, so that edges stay straight.
  *
- * A piece keeps the line w = a + b u of its edge from end to end, however often it is cut, so that cutting adds no error to
- * it. Where two pieces meet is rounded: who looks in a direction sees all pieces within SKYLINE_BLUR of it and gets the
- * lowest and the highest of them. Pieces also keep how much higher an edge may be that was left out by rounding. Edges
- * narrower than half of that would be too steep for lines: they become level pieces as high as their higher end, which say
- * how far below the truth may be. These fill whole eighths of SKYLINE_BLUR, and those in one eighth are joined. Otherwise each edge
- * beside a strip would keep a bit of it, and looks would see thousands. */
+ * A piece keeps the line w = a + b u of its edge from end to end, however often it is cut, so that cutting adds no
+ * error to it. Where two pieces meet is rounded: who looks in a direction sees all pieces within SKYLINE_BLUR of it and
+ * gets the lowest and the highest of them. Pieces also keep how much higher an edge may be that was left out by
+ * rounding. Edges narrower than half of that would be too steep for lines: they become level pieces as high as their
+ * higher end, which say how far below the truth may be. These fill whole eighths of SKYLINE_BLUR, and those in one
+ * eighth are joined. Otherwise each edge beside a strip would keep a bit of it, and looks would see thousands. */
 #ifndef CELLWALK_TERRAIN_SKYLINE_H
 #define CELLWALK_TERRAIN_SKYLINE_H
 
@@ -30,8 +30,8 @@ typedef struct skyline_piece {
 
 typedef struct skyline {
     skyline_piece *pieces;
-    /* Of each piece; 0 is the end: piece 0 begins at infinity. Walks wait for it, so it is not in the pieces, whose place takes longer
-     * to find. */
+    /* Of each piece; 0 is the end: piece 0 begins at infinity. Walks wait for it, so it is not in the pieces, whose
+     * place takes longer to find. */
     uint32_t *next;
     uint32_t count, room, unused; /* unused: a list of pieces */
     skyline_piece *cuts;          /* the parts into which an edge cuts pieces */
@@ -75,9 +75,9 @@ static inline void skyline_at(const skyline *s, uint32_t *at, double u, double *
 /* How far the line of a piece, or of an edge, may be from the true one at height w: papers/terrain.md. */
 static inline double skyline_rounding(double w, double b) { return 0x1p-48 * (fabs(w) + fabs(b)); }
 
-/* The same, looking at pieces within 2^-40 alone: enough where no narrow edge is near, since pieces that cross meet to rounding,
- * and ends of edges are rounded by 2^-52. False where one is near. at is not behind the last piece that begins before u less
- * SKYLINE_BLUR. The edges' own errors included, the truth is between *low - *doubt and *high + *doubt. */
+/* The same of pieces within 2^-40 alone: enough where no narrow edge is near, since pieces that cross meet to rounding,
+ * and ends of edges are rounded by 2^-52. False where one is near. at is not behind the last piece that begins before u
+ * less SKYLINE_BLUR. The edges' errors included, the truth is between *low - *doubt and *high + *doubt. */
 static inline bool skyline_at_closely(const skyline *s, uint32_t at, double u, double *low, double *high,
                                       double *doubt) {
     const skyline_piece *p = s->pieces;

@@ -25,8 +25,8 @@ enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, BESIDE = 3 };
 /* Rows after which bins are looked at again, as the skyline only rises and old lows are bounds too. */
 enum { LOWS_EVERY = 4 };
 
-/* Whether something next to the eye may be that high at a distance. A direction at a border of two ranges, as far as rounding can
- * tell, has the steeper rise. */
+/* Whether something next to the eye may be that high at a distance. A direction at a border of two ranges, as far as
+ * rounding can tell, has the steeper rise. */
 static inline bool reaches_around(const sweep_part *p, double u, double r, double height) {
     if (!(p->around_most * r >= height)) return false;
     const double place = (u - p->from) / (p->until - p->from) * SWEEP_AROUND;
@@ -84,8 +84,8 @@ static inline void begin_at(const sweep_part *p, long row, span *seen, long i) {
     *seen = (span){.first = i};
 }
 
-/* Samples' starts: the piece of the skyline that begins between a sample and the one before it, or 0. Pieces are as narrow as cells, so
- * that a walk along both would end at random: this takes no branch a sample. */
+/* Samples' starts: the piece of the skyline that begins between a sample and the one before it, or 0. Pieces are as
+ * narrow as cells, so that a walk along both would end at random: this takes no branch a sample. */
 static void find_starts(sweep_part *p, double r, long begin, long end, uint32_t start) {
     const skyline_piece *s = p->line.pieces;
     const double aside = p->aside + SKYLINE_BLUR * r, last = ((double)(end - 1) - aside) / r;
@@ -96,8 +96,8 @@ static void find_starts(sweep_part *p, double r, long begin, long end, uint32_t 
     for (uint32_t k = next[start]; s[k].from < last; k = next[k]) p->starts[(long)(s[k].from * r + aside) + 1] = k;
 }
 
-/* Passes samples of the row, off the range's ends, that one piece of the skyline shows to be seen or hidden. Returns the first sample
- * that needs more. */
+/* Passes samples of the row, off the range's ends, that one piece of the skyline shows to be seen or hidden. Returns
+ * the first sample that needs more. */
 static long pass_decided(const sweep_part *p, long row, long i, long end, uint32_t *start, span *seen) {
     const double r = sweep_distance(p, row), per_row = 1 / r, error = sweep_error(p, r), margin = p->margin;
     const bool right = p->from >= 0;
@@ -126,8 +126,8 @@ static long pass_decided(const sweep_part *p, long row, long i, long end, uint32
     return i;
 }
 
-/* The samples of the row in these directions; nothing in it and the two rows before it, here and next to here, rises by more than
- * reach. The last part of a quarter has both ends. Directions of exactly 45 degrees belong to the quarters whose rows are rows. */
+/* The row's samples in these directions; nothing in it and the two before it, here and next to here, rises by more than
+ * reach. The last part of a quarter has both ends. Exactly 45 degrees belongs to the quarters whose rows are rows. */
 static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_t start, double reach) {
     const double r = sweep_distance(p, row), per_row = 1 / r, error = sweep_error(p, r);
     const bool rising = p->outward > 0, all = r <= sweep_close_rows, every = p->target == INFINITY;
@@ -145,7 +145,7 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
         const bool after = u >= p->from || p->from == -1, before = u < p->until || p->until == 1;
         const bool inside = p->swapped ? fabs(x) < r : fabs(x) <= r;
         if (!(h < INFINITY) || !(after && before && inside)) continue;
-        /* On a diagonal but for rounding, the way may be in the triangle on either side, and one of them may be missing. */
+        /* On a diagonal but for rounding, the way may be in the triangle on either side, and one may be missing. */
         const bool between = fabs(fabs(x) - r) <= 0x1p-50 * (r + fabs(p->aside) + fabs(p->eye));
         const double leans = between ? 0 : x > 0 ? left_of[i - 1] : right_of[i];
         if (!all && p->target == 0 && leans > p->margin) continue;
@@ -155,8 +155,8 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
         const double top = (h + p->target) * per_row;
         if (!all && top < low - error) continue;
         sweep_way way = {.low = (low - error) * r, .unsure = {INFINITY, true}};
-        /* On these ways all samples before count, and the skyline is unsure: beside holes, and where edges lead to the eye. Each way
-         * would be followed to the eye. */
+        /* On these ways all samples before count, and the skyline is unsure: beside holes, and where edges lead to the
+         * eye. Each way would be followed to the eye. */
         if (every && r >= 1 && (x == 0 || (on_samples && fabs(x) == r))) {
             way.low = skyline_larger((p->ahead - error) * r, way.low);
             p->ahead = skyline_larger(h * per_row, p->ahead);
@@ -185,8 +185,8 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
     return start;
 }
 
-/* The same if no edge in reach comes up to the skyline, off the range's ends: most samples have one piece of it before them, and
- * nothing else counts. */
+/* The same if no edge in reach comes up to the skyline, off the range's ends: most samples have one piece of it before
+ * them, and nothing else counts. */
 static void visit_calm(sweep_part *p, long row, const float *far, long begin, long end, uint32_t start) {
     const double r = sweep_distance(p, row), per_row = 1 / r, error = sweep_error(p, r), wrong = 0x1p-48 * p->size;
     double rise[SWEEP_SPAN_MOST], wide[SWEEP_SPAN_MOST];
@@ -229,8 +229,8 @@ static uint32_t start_before(const sweep_part *p, size_t b) {
     return b > 0 ? p->of[b - 1].start : p->first;
 }
 
-/* The range of the skyline is what this row and those behind it can need: the part's, and less where the ends of the rows come nearer to
- * the direction ahead. Else all that was seen beside a strip would stay, and be walked along for each row. */
+/* The skyline's range is what this row and those behind it can need: the part's, and less where the rows' ends come
+ * nearer the direction ahead. Else all that was seen beside a strip would stay, and be walked along for each row. */
 static void narrow(sweep_part *p, double r) {
     static const double beside = 1.25 * SKYLINE_BLUR; /* looks reach one, and narrow edges gain 3/16 */
     const double one = -p->aside / r, other = ((double)p->length - 1 - p->aside) / r;

@@ -11,8 +11,8 @@
 typedef struct sweep_way {
     double low;         /* something on it rises by at least this, as height over the eye per share of the way */
     sight_parts unsure; /* where something may still hide the target */
-    /* If the target is infinite, so that all are visited: whether the steepest rise on the way is known but for what is unsure.
-     * It is then rise, off by less than error. */
+    /* If the target is infinite, so that all are visited: whether the steepest rise on the way is known but for what is
+     * unsure. It is then rise, off by less than error. */
     bool known;
     double rise, error;
 } sweep_way;
@@ -21,9 +21,9 @@ typedef struct sweep_way {
  * eye, those beyond the greatest distance, those of spans, and those above which something must hide a target. */
 typedef void sweep_visit(void *context, size_t i, size_t j, const sweep_way *way);
 
-/* Samples near one another about which the sweep leaves nothing open: those of the bits `which`, the last of which is number
- * count - 1. Sample k is (i + k, j), or (i, j + k) if they go down a column, and its height is z[k]. Without rise targets are
- * seen; else the steepest rise on the way is rise[k], off by less than error[k]. */
+/* Samples near one another about which the sweep leaves nothing open: those of the bits `which`, the last of which is
+ * number count - 1. Sample k is (i + k, j), or (i, j + k) if they go down a column, and its height is z[k]. Without
+ * rise targets are seen; else the steepest rise on the way is rise[k], off by less than error[k]. */
 typedef struct sweep_span {
     size_t i, j, count;
     uint64_t which;

@@ -68,14 +68,14 @@ static inline void lean(const double *restrict n, const double *restrict f, int 
     }
 }
 
-/* Whether an edge may be the highest on a way from one triangle into another, which lean like that: then `edge`, else 0. */
+/* `edge` if an edge may be the highest on a way from one triangle into another, which lean like that; else 0. */
 static inline double ridge(double before, double behind, double margin, double edge) {
     const double faces = before > margin ? 0 : edge;
     return behind < -margin ? 0 : faces;
 }
 
-/* before_side, behind_side: of the triangles beside a sample's edge to the far row, in the order in which ways out from the eye meet
- * them. */
+/* before_side, behind_side: of the triangles beside a sample's edge to the far row, in the order in which ways out from
+ * the eye meet them. */
 static inline void find_ridges(const sweep_part *p, const double *before_side, const double *behind_side, long begin,
                                long end) {
     const double margin = p->margin, *front = p->front, *back = p->back, *back_before = p->back_before;
@@ -134,8 +134,8 @@ void cw_sweep_lean(sweep_part *p, double r, long begin, long end) {
     list_edges(p, begin, end);
 }
 
-/* A piece that begins before an edge whose left end is in direction u, and before what a narrow one gains there. Sample i is in that
- * direction or left of it. */
+/* A piece that begins before an edge whose left end is in direction u, and before what a narrow one gains there. Sample
+ * i is in that direction or left of it. */
 static inline uint32_t start_at(const sweep_part *p, uint32_t at, long i, double u) {
     return skyline_find(&p->line, sweep_start(p, at, i, u - SKYLINE_BLUR), u - SKYLINE_BLUR);
 }

@@ -6,7 +6,7 @@
 #include "skyline.h"
 #include "sweep.h"
 
-/* Ranges of directions next to the eye; columns fetched at once; samples beside those between the directions; rows asked for ahead. */
+/* Ranges of directions next to the eye; columns per fetch; samples beside those between directions; rows prefetched. */
 enum { SWEEP_AROUND = 32, SWEEP_COLUMNS = 16, SWEEP_PAD = 12, SWEEP_AHEAD = 24 };
 
 /* Edges from a sample: along the near row, on to the far one, and across the cell. */
@@ -93,7 +93,7 @@ static inline double sweep_error(const sweep_part *p, double r) {
     return 0x1p-25 * p->snap + 0x1p-44 * p->size + 0x1p-45 * r * (p->line.steepest + p->rise);
 }
 
-/* Where to look for the piece in direction u, in which sample i is or one before it: from at on, or from a later piece that is not gone. */
+/* Where to look for the piece in direction u, of sample i or one before: from at on, or from a later piece not gone. */
 static inline uint32_t sweep_start(const sweep_part *p, uint32_t at, long i, double u) {
     const skyline_piece *s = p->line.pieces;
     const uint32_t start = p->starts[i];
@@ -108,10 +108,10 @@ const float *cw_sweep_fetch(sweep_part *p, long row);
 /* Heights over the eye from sample begin up to end, if there are any, NaN at holes. */
 void cw_sweep_heights(const sweep_part *p, const float *z, long row, long begin, long end, double *h);
 
-/* How the triangles between the near row and the far one lean, at distance r. Lists the edges that may then be the highest on a way. */
+/* How triangles between the near and far rows lean, at distance r. Lists edges that may then be highest on a way. */
 void cw_sweep_lean(sweep_part *p, double r, long begin, long end);
 
-/* Edges of the near row, and those between the rows, that matter are added to the skyline; start: a piece before them. */
+/* Edges of the near row and those between the rows that matter are added to the skyline; start: a piece before them. */
 void cw_sweep_add_row(sweep_part *p, double r, long begin, long end, uint32_t start);
 void cw_sweep_add_between(sweep_part *p, double r, uint32_t start);
 

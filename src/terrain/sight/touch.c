@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Seen from the eye, let D be the way to the target, on the map, and A and B the ends of an edge, with heights t, a and b over
- * the eye. With × for the cross product, the way crosses the edge where D×A and D×B have unlike signs, at the share
- * -(A×B) / (D×A - D×B), where the surface is (D×A b - D×B a) / (D×A - D×B) high. So it is above the line if
+/* Seen from the eye, let D be the way to the target, on the map, and A and B the ends of an edge, with heights t, a and
+ * b over the eye. With × for the cross product, the way crosses the edge where D×A and D×B have unlike signs, at the
+ * share -(A×B) / (D×A - D×B), where the surface is (D×A b - D×B a) / (D×A - D×B) high. So it is above the line if
  *
  *     (D×A) b - (D×B) a + (A×B) t
  *
- * has the sign of D×A. Coordinates and heights are sums of a few doubles each, and all of it is summed without rounding. */
+ * has the sign of D×A. Coordinates and heights are sums of a few doubles each, all summed without rounding. */
 #include "way.h"
 
 /* A number that is the sum of some doubles. */
@@ -93,7 +93,7 @@ static bool is_between(const crossing *c) {
     return eye * target < 0;
 }
 
-/* over, times the sign, is how far the surface is above the line, times something positive; over it is over / per_height. */
+/* over times sign is how far the surface is above the line, times something positive; over it is over / per_height. */
 static touch verdict(const exact_sum *over, int sign, double per_height) {
     const int side = sign * exact_sign(over);
     return (touch){true, side, side == 0 ? 0 : fabs(exact_value(over) / per_height) * side};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which targets count as seen from a place: those between two distances, in a sector of azimuths, between two vertical angles.
- * The terrain blocks the view wherever it is. */
+/* Which targets count as seen from a place: those between two distances, in a sector of azimuths, between two vertical
+ * angles. The terrain blocks the view wherever it is. */
 #ifndef CELLWALK_TERRAIN_VIEW_LIMITS_H
 #define CELLWALK_TERRAIN_VIEW_LIMITS_H
 
@@ -27,7 +27,7 @@ bool cw_view_limits_have(const view_limits *l, double i, double j, double rise);
 /* The angle above the eye's horizontal in degrees; at the place itself -90, 0 or 90. */
 double cw_view_limits_angle(const view_limits *l, double i, double j, double rise);
 
-/* False if no direction between a and b, in field coordinates and less than half of the round apart, is in the sector. */
+/* False if no direction between a and b, in field coordinates and less than half the round apart, is in the sector. */
 bool cw_view_limits_meet(const view_limits *l, const double a[2], const double b[2]);
 
 #endif

@@ -81,8 +81,8 @@ static uint64_t see_span(void *context, const sweep_span *s) {
     return 0;
 }
 
-/* Whether a number that may be off by the error becomes the same float as the exact one, or one within most_apart of it. Small
- * numbers have floats that are closer together than the error. */
+/* Whether a number that may be off by the error becomes the same float as the exact one, or one within most_apart of
+ * it. Small numbers have floats that are closer together than the error. */
 static bool is_sure(double x, double error) {
     static const double most_apart = 0x1p-17;
     return (double)(float)(x + error) - (double)(float)(x - error) <= most_apart;

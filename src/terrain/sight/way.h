@@ -150,8 +150,8 @@ static inline bool look_between(const way *w, double a, double b, way_look *look
     return false;
 }
 
-/* ---- touches: whether the surface blocks a line at a crossing, decided exactly for the numbers that are given: the samples, the
- * eye, the target, and lowerings as sight_fall rounds them ---- */
+/* ---- touches: whether the surface blocks a line at a crossing, decided exactly for the numbers that are given: the
+ * samples, the eye, the target, and lowerings as sight_fall rounds them ---- */
 
 /* How far the surface is above the line where the two cross, in exact arithmetic. */
 typedef struct touch {

@@ -13,14 +13,14 @@ typedef struct insolation_desc {
     const sun_position *suns;
     size_t count;
     double hours; /* that each of them stands for */
-    /* Copied; or NULL. In place of hours, one for each sun; its light is then its weight on a surface that faces it, whatever the
-     * air. */
+    /* Copied; or NULL. In place of hours, one for each sun; its light is then its weight on a surface that faces it,
+     * whatever the air. */
     const double *weights;
     double linke;     /* turbidity (sun.h) */
     double curvature; /* as cw_sight_init takes it; 0: the earth is flat */
-    /* 0: shadows are exact, in the direction of each sun. Else the sun casts its shadow from the nearest of so many directions
-     * evenly all round, so that suns that share one also share one horizon: its azimuth is off by up to 180 / directions
-     * degrees. At most COMPASS_MOST (compass.h). */
+    /* 0: shadows are exact, in the direction of each sun. Else the sun casts its shadow from the nearest of so many
+     * directions evenly all round, so that suns that share one also share one horizon: its azimuth is off by up to
+     * 180 / directions degrees. At most COMPASS_MOST (compass.h). */
     size_t directions;
 } insolation_desc;
 

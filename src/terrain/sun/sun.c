@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The sun by the theory of lower accuracy in J. Meeus, Astronomical Algorithms (2nd edition, 1998), chapters 12, 13, 22 and 25:
- * mean longitude and anomaly, three terms of the equation of the centre, aberration and the largest term of nutation; good to
- * 0.01 degrees, a fiftieth of the sun's disc. Refraction by Saemundsson's formula (the same, 16.4). The full theory of the
- * planets (VSOP87, as in the NREL's SPA) would be good to 0.0003 degrees, which a terrain of metres cannot show. */
+/* The sun by the theory of lower accuracy in J. Meeus, Astronomical Algorithms (2nd ed., 1998), chapters 12, 13, 22,
+ * 25: mean longitude and anomaly, three terms of the equation of the centre, aberration and nutation's largest term;
+ * good to 0.01 degrees, a fiftieth of the sun's disc. Refraction by Saemundsson's formula (the same, 16.4). The full
+ * theory of the planets (VSOP87, as in NREL's SPA) is good to 0.0003 degrees, too fine for a terrain of metres. */
 
 #include "sun.h"
 
@@ -146,7 +146,7 @@ double cw_clear_sky_direct(double linke, double distance, double altitude, doubl
     return CLEAR_SKY_CONSTANT / (distance * distance) * exp(-0.8662 * linke * m * rayleigh(m));
 }
 
-/* The light with the sun in the zenith, times a function of the sun's altitude. Its least value is the one that r.sun has. */
+/* The light with the sun in the zenith, times a function of the sun's altitude. Its least value is that of r.sun. */
 double cw_clear_sky_diffuse(double linke, double distance, double altitude) {
     if (!(altitude > 0)) return 0;
     const double zenith = -0.015843 + linke * (0.030543 + linke * 0.0003797);

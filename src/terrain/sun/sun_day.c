@@ -43,7 +43,7 @@ place_horizon cw_place_horizon(sight *s, double azimuth, double max_distance) {
     return h;
 }
 
-/* The light of the sky above a tangent of height, of a surface that rises by lean / up in that direction: horizon.c has the formula. */
+/* The sky's light above a tangent of height, of a surface that rises by lean / up in that direction: see horizon.c. */
 static double light_above(double tangent, double up, double lean) {
     const double square = 1 / (1 + tangent * tangent);
     return up * square - lean * (atan(1 / tangent) - tangent * square);

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <math.h>
 
-/* ---- walks ----------------------------------------------------------------------------------------------------------- */
+/* ---- walks ------------------------------------------------------------------------------------------------------- */
 
 /* Eyes of a group's columns, and so many rows of them. */
 enum { ROWS_AT_ONCE = 64 };
@@ -88,8 +88,8 @@ static void walk_some(void *context, size_t begin, size_t end) {
     fpenv_leave(caller);
 }
 
-/* Of the height of a place on an edge over the eye, and of a target on it: sums, products and their rounding, each off by
- * u = 2^-24 of the heights' range (papers/numerics.md). */
+/* Of the height of a place on an edge over the eye, and of a target on it: sums, products and their rounding, each off
+ * by u = 2^-24 of the heights' range (papers/numerics.md). */
 static double rounding(const samples *f, float eye, float target) {
     const double range = f->high >= f->low ? (double)f->high - (double)f->low : 0;
     return 8 * (double)FLT_EPSILON * (range + (double)eye + (double)target) + (double)FLT_MIN;
@@ -108,7 +108,7 @@ static void place_eyes(walking *w) {
     w->pieces = (w->long_way + ROWS_AT_ONCE - 1) / ROWS_AT_ONCE;
 }
 
-/* ---- the interface --------------------------------------------------------------------------------------------------- */
+/* ---- the interface ----------------------------------------------------------------------------------------------- */
 
 cw_status cw_visible_create(const cw_field *field, cw_rectangle at, size_t every, cw_visible **visible) {
     cw_visible *v = *visible = calloc(1, sizeof *v);

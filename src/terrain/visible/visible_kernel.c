@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The ground in sight along one direction, from LANES samples at a time (visible_job.h).
  *
- * The walk goes outward and keeps the steepest slope so far. Between two crossings the surface is straight, so the slope up to
- * it from the eye is monotone: of a piece, all, nothing, or one part with an end is in sight. That end is where the piece meets
- * the line of sight over the steepest place before.
+ * The walk goes outward and keeps the steepest slope so far. Between two crossings the surface is straight, so the
+ * slope up to it from the eye is monotone: of a piece, all, nothing, or one part with an end is in sight. That end is
+ * where the piece meets the line of sight over the steepest place before.
  *
- * Invariant: blocks of rows are passed over only if no slope in them, as this code rounds it, exceeds the steepest one of any
- * lane, or if they are level and all of them is in sight. Then the walk would add nothing there, or just as much. So the answers do
- * not depend on width, nor on how blocks lie. papers/numerics.md derives the bounds.
+ * Invariant: blocks of rows are passed over only if no slope in them, as this code rounds it, exceeds the steepest one
+ * of any lane, or if they are level and all of them is in sight. Then the walk would add nothing there, or just as
+ * much. So the answers do not depend on width, nor on how blocks lie. papers/numerics.md derives the bounds.
  *
- * Some lane of 16 sees most of the pieces that are scanned, so 16 lanes take no branch around the others: it would be mispredicted too
- * often. Rejected: sums of squared distances where sight begins and ends, which need fewer divisions but are slower, and level blocks
- * of 64 rows, which slow the tests of all blocks down (papers/terrain.md). */
+ * Some lane of 16 sees most of the pieces that are scanned, so 16 lanes take no branch around the others: it would be
+ * mispredicted too often. Rejected: sums of squared distances where sight begins and ends, which need fewer divisions
+ * but are slower, and level blocks of 64 rows, which slow the tests of all blocks down (papers/terrain.md). */
 
 #include "vocabulary.h"
 
@@ -41,8 +41,8 @@ CW_INLINE vfloat slope_to(const visible_crossing *c, vfloat height) {
     return vf_sub(vf_mul(height, vf_set(c->inverse)), vf_set(c->drop));
 }
 
-/* Adds what is in sight of a piece: from share of its length before its end (late) or after its begin. Areas are negated and
- * subtracted: a difference whose second part is in memory takes an instruction less. */
+/* Adds what is in sight of a piece: from share of its length before its end (late) or after its begin. Areas are
+ * negated and subtracted: a difference whose second part is in memory takes an instruction less. */
 CW_INLINE void add_seen(const visible_job *job, lanes *l, const visible_piece *p, vmask seen, vmask late, vfloat share,
                         unsigned look, bool cut) {
     const vfloat part = vf_mul(vf_set(p->length), share), end = vf_set(p->end);
@@ -65,8 +65,8 @@ CW_INLINE void add_seen(const visible_job *job, lanes *l, const visible_piece *p
     if (look & VISIBLE_FARTHEST) l->farthest = vf_select(seen, last, l->farthest);
 }
 
-/* Conversion of each piece's area to double is slow (papers/terrain.md), and sums of floats hang on their order. So areas are summed
- * as integers over a run of crossings, and runs in double, exactly (papers/numerics.md). Runs are counted from the eye. */
+/* Converting each area to double is slow (papers/terrain.md), and float sums depend on order. So areas are summed as
+ * integers over a run of crossings, and runs in double, exactly (papers/numerics.md). Runs count from the eye. */
 CW_INLINE void add_run(lanes *l) {
     const vint high = vi_and(l->more, vi_set(0x7fff0000)), low = vi_and(l->more, vi_set(0xffff)); /* are floats */
     const vdouble sum = vd_add(vd_from_vf(vf_from_vi(high)), vd_from_vf(vf_from_vi(low)));
@@ -81,8 +81,8 @@ CW_INLINE void enter_run(lanes *l, size_t piece, unsigned look) {
     while (piece >= l->run->until) l->run++;
 }
 
-/* Where a piece comes into sight part of the way, its begin was below the line of sight by just as much as the end of the piece
- * before. Where no branch leaves pieces out, that number is kept and not computed again. */
+/* Where a piece comes into sight part of the way, its begin was below the line of sight by just as much as the end of
+ * the piece before. Where no branch leaves pieces out, that number is kept and not computed again. */
 #define KEEPS_LOW(look) (W == 16 && !((look)&VISIBLE_TARGET))
 
 CW_INLINE vfloat lowness(const lanes *l, vfloat slope, float distance) {
@@ -123,7 +123,7 @@ static __attribute__((noinline)) void scan_last(const visible_job *job, const fl
     scan(job, eye, l, k, k + 1, job->look | VISIBLE_AREA | VISIBLE_FARTHEST | VISIBLE_HOLES, true);
 }
 
-/* Lanes in which a slope may exceed the steepest one in the block of rows that begins where the ray crosses its k-th row. */
+/* Lanes in which a slope may exceed the steepest one in the block of rows that begins at row k of the ray. */
 CW_INLINE vmask block_is_high(const visible_job *job, ptrdiff_t eyes, size_t row, size_t k, int level, const lanes *l) {
     const size_t length = (size_t)1 << visible_shift(level), after = k + length < job->steps ? k + length : job->steps;
     const float *bound = job->bound[level] + (ptrdiff_t)((row + k) >> visible_shift(level)) * job->stride;
@@ -133,9 +133,9 @@ CW_INLINE vmask block_is_high(const visible_job *job, ptrdiff_t eyes, size_t row
     return vf_gt(vf_sub(most, vf_set(near->drop)), l->steepest);
 }
 
-/* Adds a block of 8 rows of level ground, such as a lake, as scan() adds it, if each lane sees all of it or nothing; otherwise false.
- * high: the lanes that may see some of it. Over level ground slopes rise strictly from crossing to crossing if the eye stands high
- * enough over it (papers/numerics.md). So if the crossing at which the block begins is in sight, all of the block is. */
+/* Adds a level block of 8 rows, such as a lake, as scan() adds it, if each lane sees all of it or nothing; else false.
+ * high: lanes that may see some of it. Over level ground slopes rise strictly from crossing to crossing if the eye
+ * stands high enough (papers/numerics.md). So if the crossing where the block begins is in sight, all of it is. */
 CW_INLINE bool add_level(const visible_job *job, ptrdiff_t eyes, size_t row, size_t k, vmask high, lanes *l,
                          unsigned look) {
     const float *level = job->level + (ptrdiff_t)((row + k) >> visible_shift(0)) * job->stride + eyes + job->entry[k];
@@ -168,7 +168,7 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
         vf_store(farthest, nothing);
         return;
     }
-    /* The first piece begins under the eye and is straight: in sight as a whole, or edge-on if nothing stands above the ground. */
+    /* The first piece begins under the eye and is straight: all in sight, or edge-on if nothing is above the ground. */
     const bool whole = job->reach > 0 && job->steps == steps; /* the last crossing may be beyond the reach */
     const size_t until = job->until[steps] - whole;
     const vfloat first = height_over(job->crossing, eye, l.z);

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* ---- the land -------------------------------------------------------------------------------------------------------- */
+/* ---- the land ---------------------------------------------------------------------------------------------------- */
 
 static ptrdiff_t below(ptrdiff_t a, ptrdiff_t b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
@@ -75,7 +75,7 @@ cw_status cw_visible_turn(cw_visible *v, const double dir[2], const cw_run *how)
     return status;
 }
 
-/* ---- bounds ---------------------------------------------------------------------------------------------------------- */
+/* ---- bounds ------------------------------------------------------------------------------------------------------ */
 
 /* Rays differ from the middle of the bounds by so many columns a row, at least; rounding of places is far less. */
 static const double hair = 0x1p-20;
@@ -90,9 +90,9 @@ typedef struct bounding {
 static double lesser(double a, double b) { return a < b ? a : b; }
 static double greater(double a, double b) { return a > b ? a : b; }
 
-/* The columns, from the one in which the block is entered, in which row q of a block has samples that a ray reads. A ray reads
- * them at crossings before and after the row: up to a row farther back if it goes to lesser columns. At level 1: in which
- * block q of level 0 is entered. */
+/* The columns, from the one in which the block is entered, in which row q of a block has samples that a ray reads. A
+ * ray reads them at crossings before and after the row: up to a row farther back if it goes to lesser columns. At level
+ * 1: in which block q of level 0 is entered. */
 static void columns_of(const cw_visible *v, int level, int q, ptrdiff_t *low, ptrdiff_t *high) {
     const double step = level > 0 ? 8 : 1, back = level > 0 || q == 0 ? q : q - 1, on = level > 0 || q == 8 ? q : q + 1;
     *low = (ptrdiff_t)floor(step * lesser(q * v->aside[0], on * v->aside[0]) - hair);
@@ -151,7 +151,7 @@ cw_status cw_visible_bound(cw_visible *v, const cw_run *how, double aside, doubl
     return CW_OK;
 }
 
-/* ---- crossings ------------------------------------------------------------------------------------------------------- */
+/* ---- crossings --------------------------------------------------------------------------------------------------- */
 
 typedef struct place {
     double at;                  /* distance */
@@ -203,7 +203,7 @@ static size_t row_of_crossings(double aside, size_t k, place row[CROSSINGS_MOST]
 /* Up to here all sums are exact in double: the area is at most 2^32, and the least unit 2^-20. */
 enum { EXACT_STEPS = 1 << 16, LEAST_UNIT = -20 };
 
-/* Runs near the eye are short, so that their units are small. Units depend on where a run begins and on its length alone, and not on
+/* Runs near the eye are short, so that their units are small. Units depend on a run's begin and length alone, not on
  * how far the land goes: as each row has a crossing, a run goes through no more rows than it has pieces. */
 static void add_areas(visible_piece *piece, size_t pieces, visible_run *run, double *whole) {
     double all = 0;
@@ -224,8 +224,8 @@ static void add_areas(visible_piece *piece, size_t pieces, visible_run *run, dou
     }
 }
 
-/* How far the eye must stand over a level block that begins at row k so that slopes rise from each crossing in it to the next, after
- * rounding, too: papers/numerics.md. */
+/* How far the eye must stand over a level block that begins at row k so that slopes rise from each crossing in it to
+ * the next, after rounding, too: papers/numerics.md. */
 static float sunk_at(const visible_crossing *crossing, const uint32_t *until) {
     enum { LEAST = -80 }; /* whatever is higher does not become denormal on the way */
     const double u = 0x1p-24;

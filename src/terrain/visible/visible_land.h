@@ -36,14 +36,14 @@ struct cw_visible {
 /* Floats before the first row and after the last one: bounds of the outermost columns are looked for there. */
 enum { AROUND = 256 };
 
-/* Turns the land so that the direction leads to greater rows. Its rays go aside by so many columns for each of them, -1 to 1. */
+/* Turns the land so that the direction leads to greater rows. Its rays go aside by -1 to 1 columns for each of them. */
 cw_status cw_visible_turn(cw_visible *v, const double dir[2], const cw_run *how);
 
 /* Bounds that are right for rays that go aside by that much, give or take slack. */
 cw_status cw_visible_bound(cw_visible *v, const cw_run *how, double aside, double slack);
 
-/* Where the rays cross edges, up to the first crossing beyond the reach, if that is not 0: what a job has of that, from crossing to
- * reach, and all else 0. Distances count in cells along the longer axis; the ground lies lower by drop times their square. */
+/* Where rays cross edges, up to the first crossing beyond the reach unless that is 0: the job's fields from crossing to
+ * reach, all others 0. Distances are in cells along the longer axis; drop times their square lowers the ground. */
 cw_status cw_visible_make_ways(cw_visible *v, double aside, double reach, double drop, visible_job *job);
 
 #endif

@@ -81,8 +81,8 @@ static void to_space(const globe *g, double longitude, double latitude, double o
     out[2] = across * (1 - g->eccentricity2) * sine;
 }
 
-/* By longitudes and latitudes of the ends of two lines, one along the map's x and one along its y, which are so far from each
- * other on the map. metres: on the ground in one of the map's; *cosine: of the angle between the lines. */
+/* By longitudes and latitudes of the ends of two lines, one along the map's x and one along its y, which are so far
+ * from each other on the map. metres: on the ground in one of the map's; *cosine: of the angle between the lines. */
 static bool take_scale(const globe *g, const double x[4], const double y[4], double far, double metres[2],
                        double *cosine) {
     double end[4][3], along[2][3], dot = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The module's table, and GDAL made ready: for good in a process of the program's own, else for the time of each call. */
+/* The module's table, and GDAL made ready: for good in the program's own process, else for the time of each call. */
 
 #include "parts.h"
 
@@ -75,14 +75,14 @@ void gdal_leave(const bool *entered) {
     CPLPopErrorHandler();
 }
 
-/* GDAL forgets errors of its own threads: a tile that one could not compress for lack of memory is just missing. Errors of the
- * calling thread do not come here. */
+/* GDAL forgets errors of its own threads: a tile that one could not compress for lack of memory is just missing. Errors
+ * of the calling thread do not come here. */
 static atomic_bool thread_fails, thread_failed;
 
 static void CPL_STDCALL note_error(CPLErr class, CPLErrorNum number, const char *text) {
     (void)number;
-    /* GDAL 3.6 complains about the file in memory that a thread decompresses with, but then does so; the caller's thread gets
-     * to know failures there. */
+    /* GDAL 3.6 complains about the file in memory that a thread decompresses with, but then does so; the caller's
+     * thread gets to know failures there. */
     const bool of_reading = strstr(text, "/vsimem/decompress_") != NULL;
     if (class < CE_Failure || of_reading || atomic_exchange(&thread_fails, true)) return;
     snprintf(of_thread, sizeof of_thread, "%s", text);

@@ -184,7 +184,7 @@ bool gdal_points(const char *path, const io_points_options *o, io_points *points
     return read_layer(&r, take_features);
 }
 
-/* ---- polygons ------------------------------------------------------------------------------------------------------- */
+/* ---- polygons ---------------------------------------------------------------------------------------------------- */
 
 /* GDAL counts pixels in int, and draws what lies farther away elsewhere. */
 static bool is_in_reach(const io_mask *m, OGRGeometryH polygons) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Opens the file of a name. GDAL takes names that are no files', too: text of a dataset, addresses in memory, and chains of
- * such. A service may pass on the name of a stranger, so these are refused. */
+/* Opens the file of a name. GDAL takes names that are no files', too: text of a dataset, addresses in memory, and
+ * chains of such. A service may pass on the name of a stranger, so these are refused. */
 
 #include "parts.h"
 
@@ -29,7 +29,7 @@ static bool is_text(const char *path) {
     return (start[0] == '{' || strchr(path, '<') != NULL) && !is_file(path);
 }
 
-/* Whether the file of a path, or what stands in the place of one of its folders, is neither a regular file nor a folder. */
+/* Whether a path's file, or what stands in the place of one of its folders, is neither a regular file nor a folder. */
 static bool is_special(char *path) {
     struct stat about;
     while (stat(path, &about) != 0) {
@@ -40,9 +40,9 @@ static bool is_special(char *path) {
     return !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode);
 }
 
-/* Whether a name is, or holds the name of, a device, or a pipe or standard stream whose writer GDAL would wait for. A name may hold
- * that of another file: /vsigzip/FILE, /vsisubfile/0_9,FILE, GTIFF_DIR:1:FILE, NETCDF:"FILE":z. Each of its words is
- * tried as a file, without the prefixes /vsi.../ before it. */
+/* Whether a name is, or holds the name of, a device, or a pipe or standard stream whose writer GDAL would wait for. A
+ * name may hold that of another file: /vsigzip/FILE, /vsisubfile/0_9,FILE, GTIFF_DIR:1:FILE, NETCDF:"FILE":z. Each of
+ * its words is tried as a file, without the prefixes /vsi.../ before it. */
 static bool gdal_waits(const char *name) {
     static const char marks[] = "\":,;=?&{}";
     char file[PATH_MAX];

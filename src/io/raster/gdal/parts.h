@@ -14,8 +14,8 @@ bool gdal_fail(io_error *error, const char *name, const char *what);
 bool gdal_fail_read(io_error *error, const char *path, const char *what);
 /* Opens a file to be read; NULL after a failure. kind: GDAL_OF_RASTER or GDAL_OF_VECTOR. */
 GDALDatasetH gdal_open_name(const char *path, unsigned kind, io_error *error);
-/* Notes the name of each file that a dataset is made of, and those that these name in turn, as a VRT does. False, with the error, if
- * one is such a pipe or device, or for lack of memory. Some names may be none of files. */
+/* Notes the name of each file that a dataset is made of, and those that these name in turn, as a VRT does. False, with
+ * the error, if one is such a pipe or device, or for lack of memory. Some names may be none of files. */
 bool gdal_note_files(GDALDatasetH file, const char *path, io_error *error);
 /* Keeps VRTs from opening the process's memory, in a process of the program's own. */
 void gdal_names_close_memory(void);
@@ -28,8 +28,8 @@ bool gdal_thread_failed(void);
 /* During a call of GDAL the program's standard streams are hidden; not while GDAL calls the program. */
 void gdal_streams(bool shown);
 
-/* Begins each function of the table: until it returns, the settings and messages of this thread are the module's. Not for
- * functions that these call. */
+/* Begins each function of the table: until it returns, the settings and messages of this thread are the module's. Not
+ * for functions that these call. */
 #define GDAL_CALL __attribute__((cleanup(gdal_leave), unused)) const bool entered = gdal_enter()
 bool gdal_enter(void);
 void gdal_leave(const bool *entered);

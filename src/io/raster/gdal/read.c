@@ -140,8 +140,8 @@ static bool open_band(source *s, io_raster *raster, io_error *error) {
     return prepare(s, error);
 }
 
-/* Rows of a GeoTIFF's blocks are read once each, so two of them are enough to keep: the memory of old blocks serves new ones. Other
- * formats may read a block again, as VRTs do those of their sources. GDAL's default is 5 % of the machine's memory. */
+/* Rows of a GeoTIFF's blocks are read once each, so two are enough to keep: the memory of old blocks serves new ones.
+ * Other formats may read a block again, as VRTs do their sources'. GDAL's default is 5 % of the machine's memory. */
 static void limit_cache(const source *s, size_t block_rows) {
     static const double least = 1 << 22, most = 1 << 26;
     if (gdal_host() == NULL || CPLGetConfigOption("GDAL_CACHEMAX", NULL) != NULL) return;
@@ -158,7 +158,7 @@ static bool is_no_data(const source *s, double value) {
     return is;
 }
 
-/* Drops the file's no-data value. A header may spell it rounded to float or not, so floats are compared. raster.c drops the caller's. */
+/* Drops the file's no-data value, compared as float: headers may spell it so rounded. raster.c drops the caller's. */
 static void drop_no_data(const source *s, float *z) {
     const float value = (float)s->nodata;
     for (int i = 0; i < s->nx && s->has_nodata; i++) z[i] = z[i] == value ? NAN : z[i];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GeoTIFF: tiles, compressed, a band after the other. GDAL makes a COG only from a finished file, since its smaller copies come
- * first: the GeoTIFF then goes to another file, and finish makes the copy. */
+/* GeoTIFF: tiles, compressed, a band after the other. GDAL makes a COG only from a finished file, since its smaller
+ * copies come first: the GeoTIFF then goes to another file, and finish makes the copy. */
 
 #include "parts.h"
 
@@ -15,7 +15,7 @@
 
 enum { ERROR_TEXT = 300 };
 
-/* ---- creation options: the program's, and those that the user passes on ------------------------------------------------------ */
+/* ---- creation options: the program's, and those that the user passes on ------------------------------------------ */
 
 static GDALDriverH driver_of(bool cog) { return GDALGetDriverByName(cog ? "COG" : "GTiff"); }
 
@@ -65,8 +65,8 @@ static void *wait_for_end(void *lock) {
     return NULL;
 }
 
-/* Whether the system lets so many threads run beside those that there are. Three times as many are tried: those tried count against
- * limits for a moment after they were joined, others of this user start threads as well, and stacks must not take the last memory. */
+/* Whether the system lets so many more threads run. Three times as many are tried: those tried count against limits for
+ * a moment after they were joined, others of this user start threads too, and stacks must not take the last memory. */
 static bool threads_can_start(unsigned wanted) {
     const unsigned count = 3 * wanted;
     pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
@@ -89,11 +89,11 @@ static char **limit_threads(char **options) {
                : options;
 }
 
-/* The program's, of which each of the user's takes the place of one; a compression that of all that belongs to it. The GeoTIFF that a COG is
- * copied from has none of the user's. BIGTIFF goes by the size before compression, which is larger as a rule: 2 GB of 4 are enough for what
- * is added then. */
+/* The program's, of which each of the user's takes the place of one; a compression that of all that belongs to it. The
+ * GeoTIFF that a COG is copied from has none of the user's. BIGTIFF goes by the size before compression, which is
+ * larger as a rule: 2 GB of 4 are enough for what is added then. */
 static char **make_options(const io_raster_product *p, bool cog) {
-    /* By the kind of cell. Flags and counts come in long runs, for PackBits. Higher levels of Deflate take floats three times as long. */
+    /* Flags and small counts have long runs, for PackBits. Higher Deflate levels take thrice as long on floats. */
     static const char *const usual[] = {"COMPRESS=PACKBITS", "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=2",
                                         "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=3",
                                         "COMPRESS=DEFLATE ZLEVEL=1 PREDICTOR=2"};
@@ -116,7 +116,7 @@ static char **make_options(const io_raster_product *p, bool cog) {
     return limit_threads(options);
 }
 
-/* ---- the file ---------------------------------------------------------------------------------------------------------------- */
+/* ---- the file ---------------------------------------------------------------------------------------------------- */
 
 static bool fail_write(const io_raster_writer *w, io_error *error) {
     return gdal_fail(error, w->output.name, "cannot write");
