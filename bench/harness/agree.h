@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Do two contenders find the same hits, and if not, why not? Möller–Trumbore decides each triangle separately and in its own
- * order of operations, so two right programs differ where rounding decides; any other difference is a defect of one of them. */
+/* Do two contenders find the same hits, and if not, why not? Möller–Trumbore decides each triangle separately, in its
+ * own order of operations, so right programs differ where rounding decides; any other difference is a defect of one. */
 #ifndef CELLWALK_BENCH_HARNESS_AGREE_H
 #define CELLWALK_BENCH_HARNESS_AGREE_H
 
@@ -8,12 +8,12 @@
 #include "peers/peer.h"
 
 /* Why one contender has a hit that the other has not. Rounding moves a hit along the surface's normal by at most
- * AGREE_ROUNDINGS roundings of the largest coordinate, along the surface by that over the ray's cosine to the normal. */
+ * AGREE_ROUNDINGS roundings of the largest coordinate, along the surface by that over the cosine of ray and normal. */
 typedef enum agree_reason {
     AGREE_END = 0,  /* the hit is that close to tmin or tmax */
     AGREE_EDGE,     /* the hit is that close to an edge of its triangle: a tie, or a leak between two triangles */
     AGREE_GRAZING,  /* the ray lies so flat that the hit's place is uncertain by more than AGREE_PLACE */
-    AGREE_UNJUDGED, /* coordinates are so large, as from afar, that all places are that uncertain: nothing can be said */
+    AGREE_UNJUDGED, /* coordinates so large, as from afar, that all places are that uncertain: nothing can be said */
     AGREE_OTHER,    /* none of these: a defect */
     AGREE_REASON_COUNT
 } agree_reason;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Room for rays, answers and results. Without it a program that measures has nothing left to do: it ends, with a message and
- * without unfinished files. */
+/* Room for rays, answers and results. Without it a program that measures has nothing left to do: it ends, with a
+ * message and without unfinished files. */
 #ifndef CELLWALK_BENCH_HARNESS_HARNESS_MEMORY_H
 #define CELLWALK_BENCH_HARNESS_HARNESS_MEMORY_H
 

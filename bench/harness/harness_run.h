@@ -48,7 +48,7 @@ void run_record_begin(char **arguments, int count);
 /* A JSON object of kind "run". cpu is where the process is pinned to, or -1. */
 json_t *run_record(const char *name, uint32_t seed, int cpu);
 
-/* True if so many bytes are free without swapping, or if the system does not say. Else false, with the reason in why. */
+/* True if so many bytes are free without swapping, or if the system does not say. Else false, the reason in why. */
 bool run_memory_has(double bytes, char why[192]);
 
 /* One line of it for a person: "AMD EPYC, GCC 12.2.0, avx2, commit 1234567, Embree 3.13.5, one thread, load 0.42". */

@@ -71,8 +71,8 @@ static double time_of(interleave_job *job) {
     return (job->counts ? told : passed) / job->runs;
 }
 
-/* A short run beside a long one sees a moment of the machine where the other sees its mean, and rounds take as long as the long
- * one. So from the second round on each job gets SHARE of the longest one's time, in whole runs. */
+/* A short run beside a long one sees a moment of the machine where the other sees its mean, and rounds take as long as
+ * the long one. So from the second round on each job gets SHARE of the longest one's time, in whole runs. */
 static void set_runs(interleave_job **jobs, size_t count) {
     double longest = 0;
     for (size_t k = 0; k < count; k++) longest = fmax(longest, jobs[k]->times[0]);
@@ -105,7 +105,7 @@ static const interleave_job *best_of(interleave_job *const *jobs, size_t count, 
     return best;
 }
 
-/* Clearly slower than the fastest of its group, by SLOWER and at least TRIAL passes: it would take the time of those that count. */
+/* Clearly slower than its group's fastest, by SLOWER after at least TRIAL passes: it would take the others' time. */
 static bool is_hopeless(const interleave_job *job, const interleave_job *best) {
     return job->seconds.n >= TRIAL && job->seconds.low > SLOWER * best->seconds.high;
 }

@@ -43,7 +43,7 @@ typedef struct interleave_job {
     const char *group; /* of jobs of one group, NULL being none, the fastest counts: the others need not converge, and
                            those that are clearly slower end after a few rounds */
     const double *counts; /* NULL, or where run leaves the seconds that count instead */
-    /* Results. times[k] is of round k, in seconds of one run; runs, of a round: more of a short job than of a long one. */
+    /* Results. times[k]: of round k, in seconds of a run; runs: of a round, more of a short job than of a long one. */
     unsigned runs;
     double times[INTERLEAVE_MOST];
     statistics seconds;
@@ -61,8 +61,8 @@ typedef struct interleave_limits {
 /* Jobs should have run once before, so that caches and pages are warm. Ends when all that count have converged. */
 void interleave(interleave_job **jobs, size_t count, const interleave_limits *limits);
 
-/* How many times as long as b job a takes: the median of the rounds' ratios, which the machine's changes from round to round
- * do not enter, with its interval. */
+/* How many times as long as b job a takes: the median of the rounds' ratios, which the machine's changes from round to
+ * round do not enter, with its interval. */
 statistics interleave_ratio(const interleave_job *a, const interleave_job *b);
 
 #endif

@@ -113,7 +113,7 @@ static bool is_right(const json_t *line, io_error *error) {
                                  results_text(line, "contender"));
 }
 
-/* After each line, so that a run that is interrupted leaves what it has measured. Of no results: whether FILE could be written. */
+/* After each line, so that an interrupted run leaves what it measured. Of no results: whether FILE can be written. */
 static bool save(const char *path, const json_t *results, io_error *error) {
     io_output out = {0};
     if (path == NULL) return true;
@@ -152,7 +152,7 @@ static bool run_plan(const plan *p, const char *name, measure_options *o, json_t
     json_array_append_new(results, record);
     good = good && save(o->out, NULL, error);
     if (o->seconds <= 0) o->seconds = 10 * (double)timed;
-    /* Making fields and building Embree do not count. What a line leaves, because it has converged, the later ones get. */
+    /* Making fields and building Embree do not count. What a line that has converged leaves, the later ones get. */
     double left = o->seconds;
     for (size_t k = 0; good && k < p->count; k++) {
         const plan_line *line = &p->lines[k];

@@ -36,7 +36,7 @@ static const char *const wrong_keys[VERDICTS] = {
     [VERDICT_WRONG_SURFACE] = "wrong_per_million",
 };
 
-/* What the contender has at a ray that it answers alone; an any-hit query tells less, so its closest hit speaks for it. */
+/* What the contender has at a ray that it answers alone; an any-hit query tells less: its closest hit speaks for it. */
 static cw_hit hit_of(const contender *of, const cw_ray *ray, contender_answers answers, size_t k, bool any) {
     cw_hit hit = {.t = INFINITY, .i = -1, .j = -1};
     if (!any) return answers.hits[k];
@@ -55,7 +55,7 @@ bool errors_of_rays(land *l, const contender *of, const cw_ray *rays, size_t n, 
         const oracle_truth *truth = oracle_trace(l->oracle, &rays[k]);
         const cw_hit hit = hit_of(of, &rays[k], answers, k, any);
         verdict v = any && answers.occluded[k] && hit.i < 0 ? VERDICT_PHANTOM : oracle_judge(l->oracle, &hit).verdict;
-        /* Where a hit may be is bounded for this library's rounding. Others may be farther off, but not hit what is not there. */
+        /* Bounds on a hit are for this library's rounding. Others may be farther off, but not hit what is not there. */
         if (v == VERDICT_PHANTOM && of->field == NULL && truth->hit) v = VERDICT_TIE;
         verdicts[v]++;
         if (any || !truth->hit || hit.i < 0) continue;

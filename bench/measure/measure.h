@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cellwalk-bench measure: a plan is lines "workloads contenders metrics". Each workload is one piece of work that all of its
- * contenders do; they are compared, then timed in turns. A new one is a workload_kind in a file and a row in plan_lines.c. */
+/* cellwalk-bench measure: a plan is lines "workloads contenders metrics". Each workload is work that all its contenders
+ * do; they are compared, then timed in turns. A new one is a workload_kind in a file and a row in plan_lines.c. */
 #ifndef CELLWALK_BENCH_MEASURE_MEASURE_H
 #define CELLWALK_BENCH_MEASURE_MEASURE_H
 
@@ -12,8 +12,8 @@
 
 #include <jansson.h>
 
-/* METRIC_AGREE: answers are compared with the reference's. METRIC_ERROR: they are held against the truth. METRIC_TIME: the
- * contenders are timed, after they were compared. METRIC_INSTRUCTIONS: they run once, in measure_counted, for callgrind. */
+/* METRIC_AGREE: answers are compared with the reference's. METRIC_ERROR: they are held against the truth. METRIC_TIME:
+ * contenders are timed, after the comparison. METRIC_INSTRUCTIONS: they run once, in measure_counted, for callgrind. */
 enum { METRIC_AGREE = 1, METRIC_ERROR = 2, METRIC_TIME = 4, METRIC_INSTRUCTIONS = 8 };
 enum { MEASURE_NAME = 256, ENTRANTS_MAX = 48, FACTOR_MAX = 64 };
 
@@ -61,7 +61,7 @@ struct workload {
     size_t count;
 };
 
-/* The next entrant, of a name that begins with the contender's in the plan; NULL, with the error, where there is no room. */
+/* The next entrant; its name begins with the contender's in the plan. NULL with the error if there is no room. */
 entrant *measure_enter(workload *w, const char *group, const char *name, io_error *error);
 
 /* ---- plan_lines.c ---- */
@@ -86,8 +86,8 @@ typedef struct plan {
     char *text;    /* that the lines point into */
     size_t number; /* of the line that was read last */
 } plan;
-/* From a file or, without one of that name, the plan of that name that ships. All that its lines name is looked for, and the files that
- * they will read are known as inputs. The error names file and line. */
+/* From a file or, without one of that name, the plan of that name that ships. All that its lines name is looked for,
+ * and the files that they will read are known as inputs. The error names file and line. */
 bool measure_plan_read(plan *p, const char *name, const measure_options *options, io_error *error);
 void measure_plan_free(plan *p);
 
@@ -104,8 +104,8 @@ typedef struct land {
     bool borrowed;
 } land;
 
-/* The land of that name, a workload field or a raster's file; the same one until another is named. NULL with the error; why is
- * set where memory is missing. */
+/* The land of that name, a workload field or a raster's file; the same one until another is named. NULL with the error;
+ * why is set where memory is missing. */
 land *land_of(const char *name, const measure_options *options, char why[192], io_error *error);
 void land_close(land *l);
 /* Whether there is such land, of whose file only the header is read; else the error. */
@@ -135,8 +135,8 @@ bool contenders_parse(contender_spec *s, const char *name, io_error *error);
 bool contenders_number(const char *text, const char *key, unsigned most, unsigned *number);
 bool contenders_know(const char *name, io_error *error);
 
-/* Contenders of that name on the land: one, or one for each packet width of a peer. count is 0, with why, where it cannot run here.
- * False for an unknown name. */
+/* Contenders of that name on the land: one, or one for each packet width of a peer. count is 0, with why, where it
+ * cannot run here. False for an unknown name. */
 enum { WIDTHS_MAX = PEER_WIDTHS };
 typedef struct ray_contender {
     contender contender;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* scenes/NAME: one of the six scenes, rendered with Phong's normals and the rays of each contender. Of Embree's widths the one counts
- * that was fastest while answers were compared. */
+/* scenes/NAME: one of the six scenes, rendered with Phong's normals and the rays of each contender. Of Embree's widths
+ * the one counts that was fastest while answers were compared. */
 
 #include "clock.h"
 #include "harness/harness_memory.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* FIELD/horizon and FIELD/sky: choices between speed and accuracy of horizons and of the sky-view factor, on land of 10 m cells.
- * Contenders are directions:N, coarser:FACTOR and distance:CELLS. Only strips of the land's rows count. */
+/* FIELD/horizon and FIELD/sky: choices between speed and accuracy of horizons and of the sky-view factor, on land of
+ * 10 m cells. Contenders are directions:N, coarser:FACTOR and distance:CELLS. Only strips of the land's rows count. */
 
 #include "harness/harness_memory.h"
 #include "harness/results.h"

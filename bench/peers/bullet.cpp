@@ -51,7 +51,7 @@ size_t bytes_of(const void *peer, double *) {
     return p->nx * p->ny * sizeof(float);
 }
 
-/* Bullet takes segments, about the middle of the field's box. Cut to the box, in double, they lose the least by rounding. */
+/* Bullet takes segments, about the middle of the field's box. Cut to the box in double, they lose least by rounding. */
 cw_hit trace(const bullet *p, const cw_ray &ray) {
     cw_hit hit = {};
     hit.t = std::numeric_limits<float>::infinity();

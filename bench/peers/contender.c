@@ -5,7 +5,7 @@
 
 static size_t call_of(const contender *c, size_t left) { return c->call > 0 && c->call < left ? c->call : left; }
 
-/* NULL, as most callers pass, unless a kernel, a leaf test or a pool is asked for: with NULL a call of one ray gets its own walk. */
+/* NULL, as most callers pass, unless a kernel, leaf test or pool is set: with NULL one-ray calls get their own walk. */
 static const cw_run *run_of(const contender *c) {
     const cw_run *r = &c->query;
     return r->pool || r->expert.kernel || r->expert.leaf != CW_LEAF_DEFAULT ? r : NULL;

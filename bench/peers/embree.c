@@ -329,8 +329,8 @@ static void enter(contender *c, const void *peer, unsigned width, bool coherent)
     snprintf(c->name, sizeof c->name, "w%u%s", width, is_native(peer, width) ? "" : "-split");
 }
 
-/* needs: measured at 1025 and 4097 samples a side, 245 bytes a cell for triangles at high quality, 38 for a grid. A field of 8193
- * would take 17 GB, and a system that runs out of memory kills somebody. */
+/* needs: measured at 1025 and 4097 samples a side, 245 bytes a cell for triangles at high quality, 38 for a grid. A
+ * field of 8193 would take 17 GB, and a system that runs out of memory kills somebody. */
 const peer_kind peer_embree = {.name = "embree",
                                .package = "libembree-dev",
                                .version = RTC_VERSION_STRING,

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Other programs that answer the same rays on the same field: a row each, behind one file. All are optional: one that was not
- * installed has no version, and nothing of it can be made.
+/* Other programs that answer the same rays on the same field: a row each, behind one file. All are optional: one that
+ * was not installed has no version, and nothing of it can be made.
  *
- * Embree (Wald et al. 2014) has the field as a triangle mesh or as its grid geometry. Its time includes reading rays from an array
- * of cw_ray, filling packets, tracing and writing cw_hit. Denormals are flushed to zero while it runs, as its manual recommends.
+ * Embree (Wald et al. 2014) has the field as a triangle mesh or as its grid geometry. Its time includes reading cw_ray,
+ * filling packets, tracing and writing cw_hit. It runs with denormals flushed to zero, as its manual recommends.
  *
  * Bullet, a physics engine of games and robots, has a height field and takes one ray a call, as its users ask. */
 #ifndef CELLWALK_BENCH_PEERS_PEER_H
@@ -11,7 +11,7 @@
 
 #include "cellwalk_expert.h"
 
-/* ---- one way to answer ray queries, a kernel's or another program's; the benchmark times contenders against each other ---- */
+/* ---- one way to answer ray queries, a kernel's or another program's; contenders are timed against each other ----- */
 
 enum { CONTENDER_NAME = 64 };
 
@@ -65,12 +65,12 @@ typedef struct peer_kind {
     unsigned widths[PEER_WIDTHS];         /* rays a call; 0: no more */
     /* Bytes a cell that it takes at most while it builds, without and with PEER_GRID. */
     double needs[2];
-    /* The field must stay until destroy. isa is the widest set that it may use. NULL with the reason in error, or without memory. */
+    /* The field must stay until destroy. isa: the widest set that it may use. NULL: reason in error, or no memory. */
     void *(*create)(const cw_field *field, cw_isa isa, unsigned options, struct io_error *error);
     void (*destroy)(void *peer);
-    /* All that it holds, samples included. seconds: CPU time of building, without making vertex and index arrays; may be left. */
+    /* All it holds, with samples. seconds: CPU time to build, but not to make vertex and index arrays; may be left. */
     size_t (*bytes)(const void *peer, double *seconds);
-    /* Called "wWIDTH", or "wWIDTH-split" if packets of this width are taken to pieces. coherent: rays are announced as that. */
+    /* Called "wWIDTH", or "wWIDTH-split" if packets of this width are split. coherent: rays are announced as that. */
     void (*enter)(contender *c, const void *peer, unsigned width, bool coherent);
 } peer_kind;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cellwalk-terrain: writes the land, the seas and the images of the project's scenes. All of it comes from integer hashes
- * and arithmetic that IEEE defines to the last bit, and numbers are printed with six places, which the C library rounds
- * correctly: the files are the same everywhere. */
+/* cellwalk-terrain: writes the land, the seas and the images of the project's scenes. All of it comes from integer
+ * hashes and arithmetic that IEEE defines to the last bit, and numbers are printed with six places, which the C library
+ * rounds correctly: the files are the same everywhere. */
 
 #include "workload/fractal_terrain.h"
 

@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* All heights are in cells: with unit cells they have the proportions of a landscape. z holds nx × ny samples, (i, j) at
- * z[j * nx + i]; nx, ny >= 2. */
+/* All heights are in cells: with unit cells they have the proportions of a landscape. z holds nx × ny samples, (i, j)
+ * at z[j * nx + i]; nx, ny >= 2. */
 
 /* Fractal land with mountains of all sizes from half of the longer side down to single cells. Heights span exactly
  * [-relief, relief] / 2 of the longer side's cells: relief 0.1 on 1025 samples gives -51.2 to 51.2. */

@@ -99,8 +99,8 @@ static camera camera_place(const cw_field *field, const cw_run *query) {
 /* The ray through the place (x, y) of a view, in pixels; tile: number of its tile among those made. */
 typedef cw_ray view_ray(const void *view, size_t tile, double x, double y);
 
-/* Whole tiles of a view, at most n rays of them: runs of neighbouring tiles at equal distances, counted along the rows of tiles;
- * each row is turned round by another amount, or equal distances would pick the same columns again and again. */
+/* Whole tiles of a view, at most n rays of them: runs of neighbouring tiles at equal distances, counted along the rows
+ * of tiles; each row is turned round by another amount, or equal distances would pick the same columns each time. */
 static size_t view_rays(const void *view, view_ray *ray, size_t n, cw_ray *rays) {
     enum { ROW_RUNS = VIEW_TILES / TILE_RUN };
     const size_t all = (size_t)VIEW_TILES * VIEW_TILES, tiles = n / WORKLOAD_TILE < all ? n / WORKLOAD_TILE : all;
@@ -182,8 +182,8 @@ static size_t secondary(const cw_field *field, const cw_run *query, workload_cla
                         cw_ray *rays) {
     static const double sun[3] = {0.8, 0.6, 0.22};
     const cw_field_info info = cw_field_describe(field);
-    /* Origins leave the surface by 16 times the rounding of the largest coordinate, so that a ray hits its own cell only
-     * where the surface stands in its way. */
+    /* Origins leave the surface by 16 times the rounding of the largest coordinate, so that a ray hits its own cell
+     * only where the surface stands in its way. */
     const double offset = (double)(info.nx > info.ny ? info.nx : info.ny) * 0x1p-21;
     /* Half of the view is sky up to the coarseness of the camera's search; the surplus makes up for that. */
     size_t views = (n + n / 16) * 2 + WORKLOAD_TILE * TILE_RUN;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The classes of rays of benchmark and tests. Rays depend on field, class, seed and number alone: random numbers come
- * from integer hashes, and only operations that IEEE rounds correctly are used, so they are the same on every machine. */
+ * from integer hashes, and only operations that IEEE rounds correctly are used, so they are the same everywhere. */
 #ifndef CELLWALK_BENCH_WORKLOAD_RAY_CLASSES_H
 #define CELLWALK_BENCH_WORKLOAD_RAY_CLASSES_H
 
@@ -13,17 +13,17 @@ typedef enum workload_class {
     WORKLOAD_BOUNCE,      /* diffuse: as ambient occlusion, with another set of directions, and the closest hit asked */
     WORKLOAD_RANDOM,      /* along lines through two uniform points of the field's box, from where they enter it */
     WORKLOAD_GRAZING,     /* across the whole field from one side to the opposite one, within 1 degree of the horizon */
-    WORKLOAD_AFAR, /* a sensor's and an orthographic view of the field, from 1000 times its longer side, at 45 degrees */
+    WORKLOAD_AFAR, /* a sensor's and an orthographic view of the field, from 1000 times its longer side at 45 degrees */
     WORKLOAD_CLASS_COUNT,
-    /* Aimed (aimed.h) through a vertex of the surface, or a point of an edge along x, along y or diagonal, from above every
-     * sample to below every sample or the reverse, so that who finds no hit has a leak: for counting errors, not for timing. */
+    /* Aimed (aimed.h) through a vertex of the surface, or a point of an edge along x, along y or diagonal, from above
+     * all samples to below all or the reverse, so that a miss is a leak: for counting errors, not for timing. */
     WORKLOAD_VERTICES = WORKLOAD_CLASS_COUNT,
     WORKLOAD_EDGES,
     /* To places anywhere on the surface from 0.5 to 2 cells before them: for counting errors too. */
     WORKLOAD_WITHIN_TWO,
-    /* For the worst case, timed on request only. Three quarters run at random places and in random directions parallel to the
-     * plane through the field's corners, 10^-2 to 10^-5 above or below the highest sample over that plane. One quarter runs
-     * along x, lower, but above the lowest sample. */
+    /* For the worst case, timed on request only. Three quarters run at random places and in random directions parallel
+     * to the plane through the field's corners, 10^-2 to 10^-5 above or below the highest sample over that plane. One
+     * quarter runs along x, lower, but above the lowest sample. */
     WORKLOAD_BESIDE,
     WORKLOAD_NAMES
 } workload_class;

@@ -65,8 +65,8 @@ static void add_lights(scene *s, const landscape_desc *d) {
 /* The share 2^-(haze d) of light is left on a way of d: 2 % where d is the visibility (Koschmieder). */
 static double haze_of(double visibility) { return log2(50) / visibility; }
 
-/* Without haze the plain vanishes in the distance all the same, or the world would end at an edge: as in clear air, which is
- * so many of the field's sizes deep. */
+/* Without haze the plain vanishes in the distance all the same, or the world would end at an edge: as in clear air,
+ * which is so many of the field's sizes deep. */
 static const double clear_air = 12;
 
 static void add_sky(scene *s, const landscape_desc *d) {

@@ -66,8 +66,8 @@ struct scene {
     size_t heightfield_count, cylinder_count, light_count;
     sky *sky;     /* NULL: black */
     water *water; /* NULL: none; only with a sky */
-    /* Light is halved on a way of 1 / haze, and the horizon's colour takes the place of the rest; 0: clear air. Only with a
-     * sky. */
+    /* Light is halved on a way of 1 / haze, and the horizon's colour takes the place of the rest; 0: clear air. Only
+     * with a sky. */
     float haze;
 
     /* Pointers, because materials point to them. */

@@ -9,8 +9,8 @@
 
 typedef struct scene scene;
 
-/* Reads a scene with all that it includes. NULL on failure, with file, line and directive in error. Directives that were
- * skipped because they change neither geometry nor light are told to warn, which may be NULL. */
+/* Reads a scene with all that it includes. NULL on failure, with file, line and directive in error. Directives that
+ * were skipped because they change neither geometry nor light are told to warn, which may be NULL. */
 typedef void scene_warn_fn(void *context, const char *message);
 scene *scene_load(const char *path, scene_warn_fn *warn, void *warn_context, io_error *error);
 void scene_free(scene *s);
@@ -22,8 +22,8 @@ cw_field *scene_field(scene *s, size_t number);
 size_t scene_width(const scene *s);
 size_t scene_height(const scene *s);
 
-/* How rays meet height fields. The default is cw_closest and cw_occluded; a measuring program puts its own in. Called from
- * several threads at once, for at most SCENE_BATCH rays. Rays are in the field space of that field. */
+/* How rays meet height fields. The default is cw_closest and cw_occluded; a measuring program puts its own in. Called
+ * from several threads at once, for at most SCENE_BATCH rays. Rays are in the field space of that field. */
 enum { SCENE_BATCH = 4096 };
 typedef struct scene_tracer {
     void *context;
@@ -44,8 +44,8 @@ typedef struct scene_render_options {
     uint32_t seed;              /* of the samples' places in their pixels */
     size_t width, height;       /* of the picture; 0: as the scene says */
     scene_crop crop;            /* the part of it that is rendered, each pixel as in the whole; x1 = 0: all */
-    /* Phong normals on height fields instead of the triangles' own: of vertices, the sums of the area-weighted normals of their
-     * triangles, interpolated barycentrically. */
+    /* Phong normals on height fields instead of the triangles' own: of vertices, the sums of the area-weighted normals
+     * of their triangles, interpolated barycentrically. */
     bool phong;
     bool general; /* for tests: leave nothing out that the scene does not require */
     /* NULL, or told the share done in [0, 1], from one thread at a time. */
@@ -58,9 +58,9 @@ typedef struct scene_render_stats {
     uint64_t field_queries; /* rays given to a tracer, counted once for each field that they were given to */
 } scene_render_stats;
 
-/* Renders into image, which is allocated here. The picture depends neither on the number of threads nor on the kernel or
- * the instruction set. False, with error, when out of memory, on a kernel's refusal, or on a crop that is empty or reaches
- * out of the picture. stats may be NULL. */
+/* Renders into image, which is allocated here. The picture depends neither on the number of threads nor on the kernel
+ * or the instruction set. False, with error, when out of memory, on a kernel's refusal, or on a crop that is empty or
+ * reaches out of the picture. stats may be NULL. */
 bool scene_render(const scene *s, const scene_render_options *options, io_image *image, scene_render_stats *stats,
                   io_error *error);
 

@@ -60,8 +60,8 @@ static inline bool transform_invert(const transform *a, transform *out) {
     return true;
 }
 
-/* Whether the renderer can measure in the space that t maps to the world. It keeps squares of lengths as floats, of the space's
- * axes and of the rows of the inverse: beyond 10^38 and below 10^-38 they are infinite or 0. */
+/* Whether the renderer can measure in the space that t maps to the world. It keeps squares of lengths as floats, of the
+ * space's axes and of the rows of the inverse: beyond 10^38 and below 10^-38 they are infinite or 0. */
 static inline bool transform_is_measurable(const transform *t) {
     transform back;
     if (!transform_invert(t, &back)) return false;

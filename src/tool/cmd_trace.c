@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk trace`: hits of an array of rays. Both are NumPy arrays, read, traced and written piece by piece, so that neither needs to
- * fit into memory. */
+/* `cellwalk trace`: hits of an array of rays. Both are NumPy arrays, read, traced and written piece by piece, so that
+ * neither needs to fit into memory. */
 
 #include "cellwalk_expert.h"
 #include "clock.h"

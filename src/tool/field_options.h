@@ -14,8 +14,8 @@ typedef struct field_options {
     ground_coarser coarser;
     int kernel, leaf, isa; /* numbers of names; -1: not given */
 
-    /* Of what was given. query has no pool, and no kernel if none was named: cw_run_kernel then tells which one a field gets. The
-     * reading and the watch print warnings and progress. */
+    /* Of what was given. query has no pool, and no kernel if none was named: cw_run_kernel then tells which one a field
+     * gets. The reading and the watch print warnings and progress. */
     cw_run query;
     io_raster_options reading;
     ground_watch watch;
@@ -31,8 +31,8 @@ typedef enum field_queries {
     FIELD_LEAVES = 4
 } field_queries;
 
-/* options_parse with these options behind those of usage, at most FIELD_OWN_MOST, and a check of their values. The instruction
- * set is limited from now on. */
+/* options_parse with these options behind those of usage, at most FIELD_OWN_MOST, and a check of their values. The
+ * instruction set is limited from now on. */
 enum { FIELD_OWN_MOST = 40 };
 int field_options_parse(field_options *f, const options_usage *usage, field_queries queries, int argc, char **argv,
                         const char **operands);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Libraries behind GDAL (HDF5, libdap, netCDF and others) print what files contain, commands to the terminal included. While
- * GDAL runs, the standard streams therefore lead to /dev/null. GDAL hands over the reason of a failure by itself. */
+/* Libraries behind GDAL (HDF5, libdap, netCDF and others) print what files contain, commands to the terminal included.
+ * While GDAL runs, the standard streams therefore lead to /dev/null. GDAL still hands over the reason of a failure. */
 
 #include "gdal_host.h"
 

@@ -44,7 +44,7 @@ static const char tasks[] = "By task, for a terrain dem.tif with places X,Y on i
                             "  a picture        cellwalk render dem.tif -o view.png\n"
                             "  hits of rays     cellwalk trace dem.tif lidar.npy --user -o hits.npy\n";
 
-/* No output is left, and a shell script that runs the program also stops. The first process of a container cannot end by a signal. */
+/* Leaves no output, and stops a script that runs the program. A container's first process cannot end by a signal. */
 static void on_signal(int number) {
     const char *text = progress_is_shown() ? "\r\033[Kcellwalk: interrupted\n" : "cellwalk: interrupted\n";
     io_output_discard_all();

@@ -2,10 +2,10 @@
 /* GDAL and the libraries behind it have many ways to the network, and a file can trigger most of them. All begin with a
  * socket, so the kernel refuses to make one: a seccomp filter of system calls.
  *
- * Sockets of the family AF_UNIX are refused as well. The name services behind some of them (nscd, systemd-resolved) send
- * requests for whoever connects, and no library here requires one. A list of network families would miss AF_VSOCK and those
- * to come. io_uring makes sockets without the system call. System calls of another architecture (i386 on x86-64) have other
- * numbers, and the program makes none. */
+ * Sockets of the family AF_UNIX are refused as well. The name services behind some of them (nscd, systemd-resolved)
+ * send requests for whoever connects, and no library here requires one. A list of network families would miss AF_VSOCK
+ * and those to come. io_uring makes sockets without the system call. System calls of another architecture (i386 on
+ * x86-64) have other numbers, and the program makes none. */
 
 #include "network.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The benchmark's fields and rays are the same numbers everywhere, and its arithmetic is right on cases worked out by hand. */
+/* The benchmark's fields and rays are the same numbers everywhere; its arithmetic is right on cases done by hand. */
 #include "harness/agree.h"
 #include "harness/interleave.h"
 #include "workload/fields.h"
@@ -66,10 +66,10 @@ static void rays_are_what_they_were(void **state) {
     workload_field_free(&samples);
 }
 
-/* ---- medians, intervals and ratios ------------------------------------------------------------------------------------ */
+/* ---- medians, intervals and ratios ------------------------------------------------------------------------------- */
 
-/* The chance that fewer than k + 1 of n fair coins show heads, twice, is what an interval without the k outermost samples
- * at either end misses: at n = 10, k = 1 that is 2 (1 + 10) / 1024 = 0.0215, at k = 2 it is 0.109. */
+/* The chance that fewer than k + 1 of n fair coins show heads, twice, is what an interval without the k outermost
+ * samples at either end misses: at n = 10, k = 1 that is 2 (1 + 10) / 1024 = 0.0215, at k = 2 it is 0.109. */
 static void intervals(void **state) {
     static const struct {
         size_t n;
@@ -155,7 +155,7 @@ static void clearly_slower_ones_of_a_group_end(void **state) {
     check(jobs[FAST].best && jobs[3].best && !jobs[SLOW].best, "the fastest of a group has ended");
 }
 
-/* ---- differences between hits are counted once, and put down to the right reason ------------------------------------------ */
+/* ---- differences between hits are counted once, and put down to the right reason --------------------------------- */
 
 /* Straight down on a flat field of height 0 from height 1; with its end there; from afar; and level. */
 static const cw_ray down = {.org = {0.5f, 0.25f, 1}, .dir = {0, 0, -1}, .tmax = INFINITY},

@@ -3,13 +3,13 @@
  * runs the rows of the tables whose names match:
  *  - "rays …", a row a class of rays: every kernel and leaf test on fields of every shape and size.
  *  - "extreme …", named extremes (exact_extremes.c).
- *  - "all …": every field of 2 × 2, 2 × 3 and 3 × 2 samples with heights 0, 1, 2 or a hole, and of 3 × 3 with heights 0, 1, 2, against
- *    every ray from a lattice of origins and directions: all the ways in which rays and small fields can touch. Whole numbers and
- *    halves make most of it exact in float, so the watertight kernels have to name the exact answer but for few ties. The test takes
- *    all of 2 × 2 and a share of the rest.
+ *  - "all …": every field of 2 × 2, 2 × 3 and 3 × 2 samples with heights 0, 1, 2 or a hole, and of 3 × 3 with heights
+ *    0, 1, 2, against every ray from a lattice of origins and directions: all the ways in which rays and small fields
+ *    can touch. Whole numbers and halves make most of it exact in float, so the watertight kernels have to name the
+ *    exact answer but for few ties. The test takes all of 2 × 2 and a share of the rest.
  *
- * CELLWALK_TEST_ROUNDS = n takes n times as many fields; 1001 takes all small ones. Lines of JSON are for papers/robustness.md
- * (support/counts.cmake). */
+ * CELLWALK_TEST_ROUNDS = n takes n times as many fields; 1001 takes all small ones. Lines of JSON are for
+ * papers/robustness.md (support/counts.cmake). */
 
 #include "exact.h"
 
@@ -76,7 +76,7 @@ static void trace(const cw_field *field, const path *p, const cw_ray *rays, size
     }
 }
 
-/* A path that takes part, and gave the same answer to ray k, of which no less is expected; p if there is none before it. */
+/* A path that takes part, gave the same answer to ray k, and of which no less is expected; p if none is before it. */
 static size_t judged_before(cw_hit hits[PATHS_MAX][AT_A_TIME], const bool part[PATHS_MAX], size_t p, size_t k) {
     size_t first = 0;
     while (first < p && !(part[first] && paths[first].leaf == paths[p].leaf && hit_same(&hits[first][k], &hits[p][k])))
@@ -198,8 +198,8 @@ static bool whole(double x) { return fabs(x - rint(x)) < 1e-9; }
 
 static size_t rims, thirds; /* of ties, by their excuse */
 
-/* Ties are allowed for a reason: the exact hit lies on an edge or vertex that holes or the outside share (papers/numerics.md), or
- * dx - dy is 3 or -3, so a diagonal is crossed at a t that is no float. */
+/* Ties are allowed for a reason: the exact hit lies on an edge or vertex that holes or the outside share
+ * (papers/numerics.md), or dx - dy is 3 or -3, so a diagonal is crossed at a t that is no float. */
 static bool excused_tie(const cw_ray *ray, const oracle_truth *truth) {
     const double x = (double)ray->org[0] + truth->t * (double)ray->dir[0];
     const double y = (double)ray->org[1] + truth->t * (double)ray->dir[1];

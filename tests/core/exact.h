@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tests of exact.c are rows of tables. Each puts fields and rays before kernels and leaf tests, and the exact oracle judges. */
+/* The tests of exact.c are rows of tables. Each runs kernels and leaf tests on fields and rays; the oracle judges. */
 #ifndef CELLWALK_TESTS_EXACT_ANSWERS_H
 #define CELLWALK_TESTS_EXACT_ANSWERS_H
 
@@ -16,9 +16,9 @@ typedef struct exact_case {
     float watertight, moller_trumbore;
 } exact_case;
 
-/* What is expected of watertight kernels: no leak, no phantom, no wrong surface, and t, u and v as good as they have to be. Of
- * Möller-Trumbore: the same, but that rounding may let a ray slip through at an edge, and decides about triangles that the ray is all
- * but parallel to; it never hits a triangle whose plane the ray lies in. */
+/* What is expected of watertight kernels: no leak, no phantom, no wrong surface, and t, u and v as good as they have to
+ * be. Of Möller-Trumbore: the same, but that rounding may let a ray slip through at an edge, and decides about
+ * triangles that the ray is all but parallel to; it never hits a triangle whose plane the ray lies in. */
 typedef struct exact_row exact_row;
 struct exact_row {
     const char *name, *expected; /* expected: what more there is to say; NULL: not counted for papers/robustness.md */

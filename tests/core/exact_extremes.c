@@ -39,15 +39,15 @@ static const exact_case lengths[] = {
     {"too long in y", 2, 2, level, {{0.25f, 0.5f, 1}, -INFINITY, {0, -FLT_MAX, -1}, INFINITY}, MISS, MISS},
 };
 
-/* A ray exactly above an edge is over both of its triangles; one within the edge touches both all along, in the planes of both. */
+/* A ray exactly above an edge is over both of its triangles; one within it touches both all along, in both planes. */
 static const exact_case edges[] = {
     {"down onto a ridge", 3, 3, ridge, {{1, -1, 2}, 0, {0, 1, -0.5f}, INFINITY}, 2, 2},
     {"down onto diagonals", 3, 3, crest, {{-1, -1, 2}, 0, {1, 1, -0.5f}, INFINITY}, 2, 2},
     {"along a ridge", 3, 3, ridge, {{1, -1, 1}, 0, {0, 1, 0}, INFINITY}, 1, MISS},
 };
 
-/* A ray in the plane of a flat field hits where it enters the field or where its t-range begins. Möller-Trumbore's determinant is
- * zero: it misses. */
+/* A ray in the plane of a flat field hits where it enters the field or where its t-range begins. Möller-Trumbore's
+ * determinant is zero: it misses. */
 static const exact_case planes[] = {
     {"in the plane along x", 3, 3, two, {{-1, 0.5f, 2}, 0, {1, 0, 0}, INFINITY}, 1, MISS},
     {"in the plane, from inside", 3, 3, two, {{-1, 0.5f, 2}, 1.5f, {1, 0, 0}, INFINITY}, 1.5f, MISS},
@@ -65,7 +65,7 @@ static const exact_case far[] = {
     {"far behind", 2, 2, slope, {{1.75f, 0.25f, 1.625f}, -INFINITY, {0x1p-127f, 0, 0}, INFINITY}, BACK, BACK},
 };
 
-/* A triangle with a hole at a vertex does not exist: rays pass through it, and through nothing else. Samples (0,0) and (1,1) belong to both. */
+/* A triangle with a hole at a vertex is absent: rays pass there and nowhere else. Samples (0,0), (1,1) are in both. */
 #define DOWN_A                                                                                                         \
     { {0.75f, 0.25f, 3}, 0, {0, 0, -1}, INFINITY }
 #define DOWN_B                                                                                                         \

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every kernel with a cell walk gives the same bits as cell: packets of any width, any later walk, closest and any hit, each leaf
- * test, in calls of any length. There is no tolerance. A row of the table below is a test: a maker of fields, a maker of rays, how
- * many, and how the kernels are compared. lanes PATTERN… runs the rows whose names match.
+/* Every kernel with a cell walk gives the same bits as cell: packets of any width, any later walk, closest and any hit,
+ * each leaf test, in calls of any length. There is no tolerance. A row of the table below is a test: a maker of fields,
+ * a maker of rays, how many, and how the kernels are compared. lanes PATTERN… runs the rows whose names match.
  *
- * CELLWALK_TEST_ROUNDS = n takes n times as many fields. Lines of JSON are for papers/robustness.md (support/counts.cmake). */
+ * CELLWALK_TEST_ROUNDS = n takes n times the fields. JSON lines are for papers/robustness.md (support/counts.cmake). */
 
 #include "lanes_grounds.h"
 
@@ -27,7 +27,7 @@ typedef struct counts {
     size_t rays, hits, answers, other;
 } counts;
 
-/* Counts how many of n rays have another closest hit than expected, or another answer for any hit, and prints the first. */
+/* Counts those of n rays with another closest hit than expected, or another any-hit answer, and prints the first. */
 static void count_other(const ground *g, const cw_run *run, size_t first, size_t n, counts *c) {
     memset(hits, 0xff, n * sizeof *hits);
     check_status(cw_closest(g->field, run, rays + first, n, hits), CW_OK);
@@ -96,8 +96,8 @@ static void __attribute__((noinline, no_sanitize("address", "undefined"))) leave
     (void)room[0];
 }
 
-/* No answer depends on what earlier calls have left on the stack, and none of it is computed with: under UndefinedBehaviorSanitizer
- * an integer that was never set overflows here. Also kernels with other rules, which are held to themselves. */
+/* No answer depends on what earlier calls left on the stack. UndefinedBehaviorSanitizer shows that none of it is
+ * computed with: an integer that was never set overflows here. Also kernels with other rules, held to themselves. */
 static void painted_stack(const ground *g, size_t n, counts *c) {
     /* The least and the largest integer, both signs of not-a-number, infinity, a living lane in each bit. */
     static const uint32_t words[] = {0x80000000, 0x7fffffff, 0xffffffff, 0x7f800000, 0x00010001};
@@ -128,8 +128,8 @@ static uint64_t sum_of(const cw_hit *hit, size_t n) {
     return sum;
 }
 
-/* The bits of cell's answers on every CPU, with every compiler and at every optimisation level, as sums that were taken once. After a
- * change that is meant to change answers, the new sums are what the test prints. */
+/* The bits of cell's answers on every CPU, with every compiler and at every optimisation level, as sums that were taken
+ * once. After a change that is meant to change answers, the new sums are what the test prints. */
 static void recorded(const ground *g, size_t n, counts *c) {
     static const uint64_t sums[WORKLOAD_CLASS_COUNT][2][2] = {
         /* land: Möller-Trumbore, watertight; sea */

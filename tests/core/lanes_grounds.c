@@ -92,8 +92,8 @@ size_t adversarial_rays(const ground *g, cw_ray *rays, size_t most, random_state
     return run_of(RAY_VERTEX, RAY_NOT_FINITE, g, rays, most, r);
 }
 
-/* Tiles of all but vertical rays, each past a sample at about its height. Tiles fall apart, and t at the far side of a block is so
- * large that a lane's rounding counts, if a ray is not cut to the field's heights. */
+/* Tiles of all but vertical rays, each past a sample at about its height. Tiles fall apart, and t at the far side of a
+ * block is so large that a lane's rounding counts, if a ray is not cut to the field's heights. */
 size_t steep_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
     const test_field *f = g->shape;
     for (size_t k = 0; k < most;) {
@@ -112,7 +112,7 @@ size_t steep_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
 
 /* ---- known ------------------------------------------------------------------------------------------------------- */
 
-/* A component that counts as zero, signs of zeros, a tower, and a range that is the hit alone. All samples are 0 but for four. */
+/* A component that counts as zero, signs of zeros, a tower, a range of the hit alone. All samples but four are 0. */
 static const struct {
     field_size size;
     size_t at[4];
@@ -151,9 +151,9 @@ size_t known_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
 
 /* ---- towers ------------------------------------------------------------------------------------------------------ */
 
-/* Next to a tower a triangle is all but vertical, and Möller and Trumbore's test tosses a coin where a ray passes the foot of it, at
- * any height. Without a spike on the other side all that is not a tower lies at an end of the field's heights, so that rays are cut
- * off close by; with one, only climbing rays are. */
+/* Next to a tower a triangle is all but vertical, and Möller and Trumbore's test tosses a coin where a ray passes the
+ * foot of it, at any height. Without a spike on the other side all that is not a tower lies at an end of the field's
+ * heights, so that rays are cut off close by; with one, only climbing rays are. */
 cw_field *towers(ground *g, random_state *r) {
     const size_t nx = 12 + random_below(r, 80), ny = 12 + random_below(r, 80), tower_in = 128;
     const bool spike = random_below(r, 2);
@@ -174,8 +174,8 @@ cw_field *towers(ground *g, random_state *r) {
     return field_open(f);
 }
 
-/* Past the foot of a tower, in or out of one of its four cells, where it is below or above the cell's other samples, or little
- * beside that; and across their height within the cell. */
+/* Past the foot of a tower, in or out of one of its four cells, where it is below or above the cell's other samples, or
+ * little beside that; and across their height within the cell. */
 static cw_ray past_tower(const ground *g, random_state *r) {
     const test_field *f = g->shape;
     size_t i, j;
@@ -213,8 +213,8 @@ size_t rays_past_towers(const ground *g, cw_ray *rays, size_t most, random_state
 /* ---- the benchmark's --------------------------------------------------------------------------------------------- */
 
 static cw_field *land(ground *g, size_t number, uint32_t seed) {
-    /* Of several levels of the pyramid, whose last blocks stick out; one that is long, one small and steep; water; the same always; and one
-     * with more samples than caches hold. */
+    /* Of several levels of the pyramid, whose last blocks stick out; one that is long, one small and steep; water; the
+     * same always; and one with more samples than caches hold. */
     static const struct {
         size_t nx, ny;
         float relief; /* 0: water */

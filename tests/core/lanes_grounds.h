@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Fields and rays on which kernels could differ, for the rows of lanes.c. A field maker fills in the ground for its number; ray makers
- * write at most so many rays to it and return how many. */
+/* Fields and rays on which kernels could differ, for the rows of lanes.c. A field maker fills in the ground for its
+ * number; ray makers write at most so many rays to it and return how many. */
 #ifndef CELLWALK_TESTS_LANES_GROUNDS_H
 #define CELLWALK_TESTS_LANES_GROUNDS_H
 
@@ -32,7 +32,7 @@ static inline int few(random_state *r, int most) { return (int)random_below(r, 2
 typedef cw_field *field_maker(ground *g, random_state *r);
 typedef size_t ray_maker(const ground *g, cw_ray *rays, size_t most, random_state *r);
 
-/* Every shape in every size, and rays of the classes of rays.h: runs of any length, plain or in bundles of rays alike. */
+/* Every shape and size, and rays of the classes of rays.h: runs of any length, plain or in bundles of like rays. */
 field_maker any_shape, large_shape, small_shape;
 ray_maker random_rays, steep_rays, adversarial_rays, rays_in_turn;
 
@@ -48,8 +48,8 @@ ray_maker known_rays;
 field_maker towers;
 ray_maker rays_past_towers;
 
-/* Planes of any slope and size, also of denormal heights or far from zero, plain, rippled, with fins across the rays' way and with
- * holes. Rays beside them, for hundreds of cells nearer than slabs can resolve. */
+/* Planes of any slope and size, also of denormal heights or far from zero, plain, rippled, with fins across the rays'
+ * way and with holes. Rays beside them, for hundreds of cells nearer than slabs can resolve. */
 field_maker plane;
 ray_maker rays_beside_plane;
 
@@ -57,8 +57,8 @@ ray_maker rays_beside_plane;
 field_maker corner_behind_hole;
 ray_maker ray_through_corners;
 
-/* Towers beside corners of nodes, and rays that climb from there. The wide field is so wide that floats at its end are an eighth of a
- * cell apart. */
+/* Towers beside corners of nodes, and rays that climb from there. The wide field is so wide that floats at its end are
+ * an eighth of a cell apart. */
 field_maker towers_beside_nodes, wide_towers_beside_nodes;
 ray_maker climbing_rays;
 

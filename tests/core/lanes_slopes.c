@@ -45,7 +45,7 @@ cw_field *plane(ground *g, random_state *r) {
     return field_of(g->z, g->nx, g->ny);
 }
 
-/* Parallel to the plane or nearly so, from within the field, from its border, from behind it, and from where rays are moved. */
+/* Parallel to the plane or nearly so: from within the field, its border, behind it, and from where rays are moved. */
 static cw_ray beside_plane(const ground *g, random_state *r) {
     const double side[2] = {(double)(g->nx - 1), (double)(g->ny - 1)};
     double place[2], d[2];
@@ -128,8 +128,8 @@ size_t ray_through_corners(const ground *g, cw_ray *rays, size_t most, random_st
 
 /* ---- climbing ---------------------------------------------------------------------------------------------------- */
 
-/* Level ground, with towers next to some corners of nodes, each so high that one float beside the corner its flank is above the
- * ground; holes in some fields. One cell more or less on a ray's way shows. */
+/* Level ground, with towers next to some corners of nodes, each so high that one float beside the corner its flank is
+ * above the ground; holes in some fields. One cell more or less on a ray's way shows. */
 static cw_field *towers_of(ground *g, size_t nx, size_t ny, random_state *r) {
     const size_t holes = random_below(r, 3) ? 0 : 200;
     g->nx = nx;
@@ -183,9 +183,9 @@ static float way(const ground *g, random_state *r) {
     return g->first > 0 || random_below(r, 4) ? (float)exp2(random_between(r, -3, 4)) : INFINITY;
 }
 
-/* Rounding decides in which of the four nodes a ray's beginning lies, and which it enters first. Three of four have ranges that begin
- * less than a float's width before the corner, or behind it: the sum of origin and way rounds. The others are at the corner at some
- * t, also a negative one, and their range begins there, as nearly as floats allow. */
+/* Rounding decides in which of the four nodes a ray's beginning lies, and which it enters first. Three of four have
+ * ranges that begin less than a float's width before the corner, or behind it: the sum of origin and way rounds. The
+ * others are at the corner at some t, also a negative one, and their range begins there, as nearly as floats allow. */
 size_t climbing_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
     for (size_t k = 0; k < most; k++) {
         cw_ray ray;

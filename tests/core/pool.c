@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A pool that several threads use at once: each gets the answers that it would get alone, and none waits for ever. A watch sees growing
- * shares of each call of the libraries, and ends it. */
+/* A pool that several threads use at once: each gets the answers that it would get alone, and none waits for ever. A
+ * watch sees growing shares of each call of the libraries, and ends it. */
 
 #include "calls.h"
 #include "cellwalk_expert.h"
@@ -42,8 +42,8 @@ typedef struct caller {
     pthread_t thread;
 } caller;
 
-/* Each with another part of the rays, so that an answer from another's job shows; every fourth time with fewer, down to less than what
- * a thread takes at a time. */
+/* Each with another part of the rays, so that an answer from another's job shows; every fourth time with fewer, down to
+ * less than what a thread takes at a time. */
 static void *ask(void *argument) {
     caller *c = argument;
     const cw_run query = {.pool = c->pool};
@@ -124,7 +124,7 @@ static void each_item_once(void **state) {
     cw_pool_destroy(pool);
 }
 
-/* ---- threads that are cancelled ------------------------------------------------------------------------------------ */
+/* ---- threads that are cancelled ---------------------------------------------------------------------------------- */
 
 /* The library's, by the linker's --wrap. A thread that is to be cancelled leaves here. */
 static _Thread_local bool tells_of_waiting;
@@ -166,7 +166,7 @@ static void release(void *context, void *memory) {
     free(memory);
 }
 
-/* What waits for threads, or calls back: two pieces of work on a pool, each function of the libraries, and the end of the pool. */
+/* What waits for threads or calls back: two pieces of work on a pool, each library function, the end of the pool. */
 enum { WORK = 2 };
 static cw_status do_one(const doomed *d) {
     const cw_run run = {.pool = d->pool, .watch = watch_for_an_end};
@@ -215,7 +215,7 @@ static void no_function_is_a_cancellation_point(void **state) {
     calls_end();
 }
 
-/* ---- watches ------------------------------------------------------------------------------------------------------- */
+/* ---- watches ----------------------------------------------------------------------------------------------------- */
 
 typedef struct watch {
     double first, last, stop_at;
@@ -270,10 +270,10 @@ static void each_call_is_watched(void **state) {
     cw_pool_destroy(pool);
 }
 
-/* ---- processes that fork ------------------------------------------------------------------------------------------- */
+/* ---- processes that fork ----------------------------------------------------------------------------------------- */
 
-/* A child has none of its parent's threads, and goes on with the pool alone. It is forked while another thread has the helpers, whose state
- * the child inherits. */
+/* A child has none of its parent's threads, and goes on with the pool alone. It is forked while another thread has the
+ * helpers, whose state the child inherits. */
 static void pools_outlive_a_fork(void **state) {
     cw_pool *pool;
 #ifdef __SANITIZE_THREAD__

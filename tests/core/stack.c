@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The stack that calls take is what the headers say: each runs in a thread on memory that was painted before. The threads of a pool
- * have the megabyte that they are promised. */
+/* The stack that calls take is what the headers say: each runs in a thread on memory that was painted before. The
+ * threads of a pool have the megabyte that they are promised. */
 
 #include "calls.h"
 #include "cellwalk_expert.h"
@@ -25,7 +25,7 @@ static test_field shape;
 static float *const samples = shape.z;
 static cw_field *field, *longest;
 
-/* ---- measuring --------------------------------------------------------------------------------------------------------- */
+/* ---- measuring --------------------------------------------------------------------------------------------------- */
 
 typedef void call(const void *what);
 
@@ -67,10 +67,10 @@ static void keeps_to(size_t limit, const char *name, size_t n, call *function, c
     check(bytes <= limit, "%s, n = %zu: %zu bytes of stack; the header says %zu", name, n, bytes, limit);
 }
 
-/* ---- rays -------------------------------------------------------------------------------------------------------------- */
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
 
-/* Those that take each way through a kernel: of all classes; close above a slope, which take long; together; and close above a slope
- * in the longest field, whose pyramid has the most levels. */
+/* Those that take each way through a kernel: of all classes; close above a slope, which take long; together; and close
+ * above a slope in the longest field, whose pyramid has the most levels. */
 enum { OF_ALL_CLASSES, ALONG_THE_SLOPE, TOGETHER, FAR_ALONG, KINDS };
 static cw_ray rays[KINDS][RAYS];
 static cw_user_ray user_rays[KINDS][RAYS];
@@ -109,7 +109,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* ---- queries ----------------------------------------------------------------------------------------------------------- */
+/* ---- queries ----------------------------------------------------------------------------------------------------- */
 
 typedef struct query {
     cw_run run;
@@ -158,7 +158,7 @@ static void queries_keep_to_it(void **state) {
     }
 }
 
-/* ---- everything else --------------------------------------------------------------------------------------------------- */
+/* ---- everything else --------------------------------------------------------------------------------------------- */
 
 static void make_call(const void *what) {
     const every_call *c = what;
@@ -170,7 +170,7 @@ static void other_calls_keep_to_it(void **state) {
         keeps_to(every_calls[k].stack, every_calls[k].name, 0, make_call, &every_calls[k]);
 }
 
-/* ---- threads of pools -------------------------------------------------------------------------------------------------- */
+/* ---- threads of pools -------------------------------------------------------------------------------------------- */
 
 /* Most of a megabyte, by each thread. */
 static void take_much(void *context, size_t begin, size_t end) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every word of every vector vocabulary that this CPU can run gives, lane by lane, what vec_scalar.h gives: on random bits, NaN,
- * infinities, denormals, zeros of both signs, and whatever lies in inactive lanes. */
+/* Every word of every vector vocabulary that this CPU can run gives, lane by lane, what vec_scalar.h gives: on random
+ * bits, NaN, infinities, denormals, zeros of both signs, and whatever lies in inactive lanes. */
 
 #include "cellwalk_expert.h"
 #include "check.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Updates beside threads that ask without a pause: those that wait do not fail or starve, nor do the queries; where none waits, each call
- * does its work or is turned away. A query sees all of an update or nothing of it, and ThreadSanitizer sees no race. Where a thread
- * starves the test does not end. One test looks into the field's door to know that a call waits. */
+/* Updates beside threads that ask without a pause: those that wait neither fail nor starve, nor do the queries; where
+ * none waits, each call does its work or is turned away. A query sees all of an update or nothing, and ThreadSanitizer
+ * no race. Where a thread starves the test does not end. One test reads the field's door to know that a call waits. */
 
 #include "cellwalk_expert.h"
 #include "check.h"
@@ -156,7 +156,7 @@ static bool child_is_well(int (*look)(cw_status expected), cw_status expected) {
     return child > 0 && waitpid(child, &status, 0) == child && status == 0;
 }
 
-/* A query and an update in a child, where no call of the parent's goes on, have that status. cw_field_destroy returns there. */
+/* A query and an update in a child, where no call of the parent goes on, have that status. cw_field_destroy returns. */
 static int ask_and_update(cw_status expected) {
     call query = {0};
     closest(&query);
@@ -190,12 +190,12 @@ static void newcomers_wait(void **state) {
     cw_field_destroy(field);
 }
 
-/* ---- processes that fork --------------------------------------------------------------------------------------------- */
+/* ---- processes that fork ----------------------------------------------------------------------------------------- */
 
 static int go_on(cw_status expected);
 
-/* Some threads are in a query, which one of them found empty. Whether their answers, and updates meanwhile and after them, are right; if there
- * are many, a child is made meanwhile. */
+/* Some threads are in a query, which one of them found empty. Whether their answers, and updates meanwhile and after
+ * them, are right; if there are many, a child is made meanwhile. */
 static bool ask_in(int threads) {
     call c[40] = {{0}};
     for (int k = 0; k < threads; k++) go_inside(&c[k]);
@@ -226,7 +226,7 @@ static void fields_outlive_a_fork(void **state) {
     cw_field_destroy(field);
 }
 
-/* ---- one from within the other ------------------------------------------------------------------------------------- */
+/* ---- one from within the other ----------------------------------------------------------------------------------- */
 
 static const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
 static const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};

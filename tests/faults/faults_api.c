@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Each allocation and each start of a thread of the library's functions fails once: the status says which, what was to be
- * made is NULL, what was there works on, and no memory is lost. Queries and updates allocate nothing and start no thread. */
+/* Each allocation and thread start of the library's functions fails once: the status says which, what was to be made is
+ * NULL, what was there works on, no memory is lost. Queries and updates allocate nothing and start no thread. */
 
 #include "calls.h"
 #include "cellwalk_expert.h"

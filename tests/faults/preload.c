@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A library to be put in front of libc (LD_PRELOAD): lets one call of one kind fail, chosen by the environment variable
- * CELLWALK_FAULT, "memory:17" for the 17th allocation. With CELLWALK_FAULT_COUNTS it writes into that file, when the program
- * ends, how many calls of each kind there were, in the order of the kinds, and how many blocks of memory were not freed.
- * CELLWALK_THREADS, a number, is how many threads may live beside the first one; more are refused, as by a container's limit.
- * Calls count from the program's own start on, not while libraries are loaded. */
+ * CELLWALK_FAULT, "memory:17" for the 17th allocation. With CELLWALK_FAULT_COUNTS it writes into that file, when the
+ * program ends, how many calls of each kind there were, in the order of the kinds, and how many blocks of memory were
+ * not freed. CELLWALK_THREADS, a number, is how many threads may live beside the first one; more are refused, as by a
+ * container's limit. Calls count from the program's own start on, not while libraries are loaded. */
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -82,7 +82,7 @@ __attribute__((destructor)) static void finish(void) {
 
 #endif
 
-/* ---- memory ------------------------------------------------------------------------------------------------------- */
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 static void *counted(void *block) {
     if (block != NULL && atomic_load(&counting)) atomic_fetch_add(&blocks, 1);
@@ -120,7 +120,7 @@ EXPORTED void free(void *block) {
     __libc_free(block);
 }
 
-/* ---- files and threads -------------------------------------------------------------------------------------------- */
+/* ---- files and threads ------------------------------------------------------------------------------------------- */
 
 /* The next library's function of that name. */
 #define NEXT(result, name, parameters)                                                                                 \

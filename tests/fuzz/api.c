@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Fields, holes, strides, rays and options made of the input's bytes, and where they end, of a random sequence that they begin:
- * so that some bytes make hundreds of rays. Every kernel of the cell walks gives the bits that `cell` gives, any hit agrees with the
- * closest, and what follows from hits is where it belongs. Each array is a separate block, whose ends AddressSanitizer
- * guards. */
+/* Fields, holes, strides, rays and options made of the input's bytes, and where they end, of a random sequence that
+ * they begin: so that some bytes make hundreds of rays. Every kernel of the cell walks gives the bits that `cell`
+ * gives, any hit agrees with the closest, and what follows from hits is where it belongs. Each array is a separate
+ * block, whose ends AddressSanitizer guards. */
 
 #include "cellwalk_expert.h"
 #include "reference.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A raster that GDAL reads, by the way that the program takes: the module that it would load is linked to this program, and the file
- * lies in GDAL's own memory. Only GDAL's drivers for GeoTIFF, VRT and ASCII grids are asked, so that an input is not shown to two
- * hundred others first. A VRT may name the input as its own source, and another file beside it. */
+/* A raster that GDAL reads, by the way that the program takes: the module that it would load is linked in, and the file
+ * lies in GDAL's own memory. Only GDAL's drivers for GeoTIFF, VRT and ASCII grids are asked, so that an input is not
+ * shown to two hundred others first. A VRT may name the input as its own source, and another file beside it. */
 
 #include "gdal/module.h"
 #include "inputs.h"
@@ -12,7 +12,7 @@
 #include <gdal.h>
 #include <string.h>
 
-/* Few bytes may ask for as many samples as a field can hold, and rightly: no data, told briefly. Here that takes time alone. */
+/* Few bytes may rightly ask for as many samples as a field can hold: no data, told briefly. Here it only takes time. */
 static bool allocate_few(const char *path, io_raster *raster, io_error *error) {
     enum { SAMPLES_MAX = 1 << 14 };
     if (raster->nx > 0 && raster->ny > SAMPLES_MAX / raster->nx) return io_fail(error, "%s: too large", path);

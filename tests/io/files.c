@@ -39,7 +39,7 @@ int fchmod(int fd, mode_t mode) {
     return (int)syscall(SYS_fchmod, fd, mode);
 }
 
-/* ---- outputs ----------------------------------------------------------------------------------------------------------- */
+/* ---- outputs ----------------------------------------------------------------------------------------------------- */
 
 static io_output outputs[IO_OUTPUT_MAX + 1];
 
@@ -81,7 +81,7 @@ static int obey_output(const char *c, char **w, io_error *e) {
     return text != NULL;
 }
 
-/* ---- arrays, tables, pictures -------------------------------------------------------------------------------------------- */
+/* ---- arrays, tables, pictures ------------------------------------------------------------------------------------ */
 
 static io_npy npy = {.fd = -1}; /* open or not, to be closed */
 
@@ -103,8 +103,8 @@ static bool shows_rows(size_t first, size_t count, io_error *e) {
     return true;
 }
 
-/* Each cell is followed by U+001F, and behind the names each row begins with U+001E and its line. number: of the first cell; columns: that many
- * of x, z, note and y, of which so many are needed. */
+/* Each cell is followed by U+001F, and behind the names each row begins with U+001E and its line. number: of the first
+ * cell; columns: that many of x, z, note and y, of which so many are needed. */
 static bool reads_table(const char *c, char **w, io_error *e) {
     static const char *const names[] = {"x", "z", "note", "y"};
     io_table t;
@@ -168,7 +168,7 @@ static int obey_file(const char *c, char **w, io_error *e) {
     return strcmp(c, "image write") == 0 ? writes_image(w, e) : OTHER;
 }
 
-/* ---- rasters ------------------------------------------------------------------------------------------------------------- */
+/* ---- rasters ----------------------------------------------------------------------------------------------------- */
 
 static io_raster raster;
 
@@ -220,7 +220,7 @@ static bool reads_raster(const char *name, const char *words, io_error *e) {
     return true;
 }
 
-/* A raster where the one lies that was read last, of cells in the file cells, which may be too few. sparse: which kind of TIFF it is. */
+/* A raster where the last one read lies, of cells in the file cells, which may be too few. sparse: the kind of TIFF. */
 static bool writes_raster(const char *name, const char *words, io_error *e) {
     static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
     size_t size;

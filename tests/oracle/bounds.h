@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The bounds of papers/numerics.md on what rounding does to a watertight hit, in double and under the names used there:
- * every judge of an answer takes them from here. Doubles are off by 2^-27 of the bounds or less, but for a ray from so far away that
- * its own place is: bounds_evaluation says by how much. */
+ * every judge of an answer takes them from here. Doubles are off by 2^-27 of the bounds or less, but for a ray from so
+ * far away that its own place is: bounds_evaluation says by how much. */
 #ifndef CELLWALK_ORACLE_BOUNDS_H
 #define CELLWALK_ORACLE_BOUNDS_H
 
@@ -22,8 +22,8 @@ typedef struct bounds_ray {
     bool moved;
 } bounds_ray;
 
-/* The lowest and highest sample and the largest difference along an edge, border or diagonal, in size: among the cell and its
- * eight neighbours, and of the whole field where delta >= 1/2. */
+/* The lowest and highest sample and the largest difference along an edge, border or diagonal, in size: among the cell
+ * and its eight neighbours, and of the whole field where delta >= 1/2. */
 typedef struct bounds_surface {
     double low, high, S;
 } bounds_surface;
@@ -36,8 +36,8 @@ static inline bool bounds_is_far(const double org[3], size_t nx, size_t ny, doub
            (range > 0 && fabsf((float)org[2] - middle_z) > 8 * range);
 }
 
-/* low and high are the field's. A moved ray starts where it enters the field's box, or before that by 3.1 · 2^-22 of the
- * distance or by 1.5 · 2^-5 of its way through the box, but no farther outside than rays are that are not moved. */
+/* low and high are the field's. A moved ray starts where it enters the field's box, or before that by 3.1 · 2^-22 of
+ * the distance or by 1.5 · 2^-5 of its way through the box, but no farther outside than rays are that are not moved. */
 static inline bounds_ray bounds_ray_of(const double org[3], const double dir[3], size_t nx, size_t ny, double low,
                                        double high) {
     bounds_ray r = {.moved = low <= high && bounds_is_far(org, nx, ny, low, high)};
@@ -61,13 +61,13 @@ static inline bounds_ray bounds_ray_of(const double org[3], const double dir[3],
     return r;
 }
 
-/* D: |x - i| + |y - j| does not exceed it for the place that the ray is traced from, and neither does |t dx| + |t dy| from there
- * while the ray is over cell (i, j). */
+/* D: |x - i| + |y - j| does not exceed it for the place that the ray is traced from, and neither does |t dx| + |t dy|
+ * from there while the ray is over cell (i, j). */
 static inline double bounds_D(const bounds_ray *r, double i, double j) {
     return fabs(r->from[0] - i) + r->spare[0] + fabs(r->from[1] - j) + r->spare[1] + 2;
 }
 
-/* delta0: how far, to the side, a moved ray is off by the rounding of its new origin, along x and y together: as x - y it is. */
+/* delta0: how far to the side a moved ray is off by rounding its new origin, along x and y together: as x - y it is. */
 static inline double bounds_delta0(const bounds_ray *r) {
     return r->moved ? bounds_u() * (fabs(r->from[0]) + r->spare[0] + fabs(r->from[1]) + r->spare[1]) : 0;
 }
@@ -81,7 +81,7 @@ static inline double bounds_Z(const bounds_ray *r, bounds_surface s) {
     return fmax(fabs(s.low - r->from[2]), fabs(s.high - r->from[2])) + r->spare[2];
 }
 
-/* E: beyond this the computed d has the sign of the exact one, on the triangle that the leaf test assigns to the place. */
+/* E: beyond this the computed d has the exact d's sign, on the triangle that the leaf test assigns to the place. */
 static inline double bounds_E(const bounds_ray *r, double D, bounds_surface s) {
     const double u = bounds_u();
     const double moved =
@@ -90,8 +90,8 @@ static inline double bounds_E(const bounds_ray *r, double D, bounds_surface s) {
     return u * (4 * bounds_Z(r, s) + 7.5 * s.S * D) + moved + denormal;
 }
 
-/* E + 2 S delta. Beyond this a computed d has the sign of d(t), on whichever of the triangles within delta it is computed: two
- * planes that meet within delta of the place differ there by 2 S delta at most. */
+/* E + 2 S delta. Beyond this a computed d has the sign of d(t), on whichever of the triangles within delta it is
+ * computed: two planes that meet within delta of the place differ there by 2 S delta at most. */
 static inline double bounds_clear(const bounds_ray *r, double D, bounds_surface s) {
     return bounds_E(r, D, s) + 2 * s.S * bounds_delta(r, D);
 }
@@ -101,8 +101,8 @@ static inline double bounds_end(const bounds_ray *r, double t) {
     return r->moved ? bounds_u() * (fabs(t - r->start) + r->early) : 0;
 }
 
-/* By how much the one rounding of t moves a hit along the ray: to the side, and in height over a plane over which the ray's height
- * changes by slope a unit of t. */
+/* By how much the one rounding of t moves a hit along the ray: to the side, and in height over a plane over which the
+ * ray's height changes by slope a unit of t. */
 static inline double bounds_place_of_t(const bounds_ray *r, double t) {
     return bounds_u() * fabs(t) * (fabs(r->dir[0]) + fabs(r->dir[1]));
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What doubles cannot decide, in GMP's floating-point numbers. Products of three floats and sums of some of them lie between 2^-447
- * and 2^400 in size, so 1024 bits hold them: nothing but a quotient is rounded. */
+/* What doubles cannot decide, in GMP's floating-point numbers. Products of three floats and sums of some of them lie
+ * between 2^-447 and 2^400 in size, so 1024 bits hold them: nothing but a quotient is rounded. */
 #include "oracle_walk.h"
 
 #include <limits.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What rounding excuses, by the bounds of papers/numerics.md: the clear pass, and verdicts. All in double, whose error is 2^-27
- * of the bounds or less. */
+/* What rounding excuses, by the bounds of papers/numerics.md: the clear pass, and verdicts. All in double, whose error
+ * is 2^-27 of the bounds or less. */
 
 #include "bounds.h"
 #include "oracle_walk.h"
@@ -114,8 +114,8 @@ static double slope(const oracle *o, const oracle_triangle *t) {
     return o->dz - p.a * o->dx - p.b * o->dy;
 }
 
-/* How far Möller-Trumbore's place may be off: quotients of sums of products of the origin, as seen from the cell, and the
- * direction; the divisor is d'. Infinite where rounding decides about the divisor, its reciprocal is no float, or a
+/* How far Möller-Trumbore's place may be off: quotients of sums of products of the origin, as seen from the cell, and
+ * the direction; the divisor is d'. Infinite where rounding decides about the divisor, its reciprocal is no float, or a
  * product overflows. */
 static double blur(const oracle *o, const oracle_triangle *t) {
     const plane p = oracle_plane(o, t);
@@ -215,8 +215,8 @@ hit_check oracle_check(oracle *o, const cw_hit *hit) {
     return c;
 }
 
-/* What t and u, v of a hit may be off by: half a unit in the last place if the exact ray meets the triangle farther than
- * delta from its edges, since then the root lies on the stretch that it is kept to; but a moved ray's range has rounded ends. */
+/* What t and u, v of a hit may be off by: half an ulp if the exact ray meets the triangle farther than delta from its
+ * edges, since then the root lies on the stretch that it is kept to; but a moved ray's range has rounded ends. */
 static void check_digits(const oracle *o, const cw_hit *hit, judgement *j) {
     const oracle_triangle t = {hit->i, hit->j, hit->triangle};
     const double at = (double)hit->t, root_t = o->truth.t, divisor = fabs(slope(o, &t));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The exact walk. Doubles decide wherever their error cannot matter, exact numbers (exact.c) where it could; so the walk
- * is as fast as the kernels on most rays and never wrong on any. */
+/* The exact walk. Doubles decide wherever their error cannot matter, exact numbers (exact.c) where it could; so the
+ * walk is as fast as the kernels on most rays and never wrong on any. */
 
 #include "oracle_walk.h"
 

@@ -3,22 +3,22 @@
  * nothing is rounded. It shares no code with the library; only the structs of its header.
  *
  * The exact answer to a ray: the smallest t in [tmin, tmax] at which org + t · dir lies on a closed triangle without a
- * hole; with the header's conventions (direction components of at most 2^-128 are zero, those above 2^126 infinite, t is
- * clamped to half of the largest float, NaN, infinite and zero directions miss).
+ * hole; with the header's conventions (direction components of at most 2^-128 are zero, those above 2^126 infinite, t
+ * is clamped to half of the largest float, NaN, infinite and zero directions miss).
  *
  * Judging a kernel, which computes in float, needs to know what rounding excuses. With d(t) the exact height of the ray
  * above the surface, E(t) the bound of papers/numerics.md on the error of a computed d, and delta(t) its bound on that
  * of a computed place:
- *  - d is *clear* at t if |d(t)| > E(t) + 2 S delta(t), S being the slope: then no triangle within delta of the place has
- *    a computed d of the other sign.
- *  - The ray *passes* on a stretch of its t-range if the stretch lies over solid triangles, everywhere at least delta from
- *    holes and from the field's outer border, and d is clear and of one sign at one crossing of it, clear and of the
- *    other sign at a later one. Crossings: where the ray crosses a border or a diagonal, and the ends of the stretch.
+ *  - d is *clear* at t if |d(t)| > E(t) + 2 S delta(t), S being the slope: then no triangle within delta of the place
+ *    has a computed d of the other sign.
+ *  - The ray *passes* on a stretch of its t-range if the stretch lies over solid triangles, everywhere at least delta
+ *    from holes and from the field's outer border, and d is clear and of one sign at one crossing of it, clear and of
+ *    the other sign at a later one. Crossings: where the ray crosses a border or a diagonal, and the stretch's ends.
  *  - A miss is a *leak* if the ray passes.
  *  - A hit is a *phantom* if its triangle has a hole, or the exact ray at the hit's t is farther than delta from the
  *    triangle or than E from its plane. It is on the *wrong surface* if the ray has passed before the hit's t.
- *  - All other answers are right; *exactly* if hit and triangle are the exact ones, *up to a tie* if they differ by what
- *    lies within the bounds: a neighbour across an edge or vertex, or a touch. */
+ *  - All other answers are right; *exactly* if hit and triangle are the exact ones, *up to a tie* if they differ by
+ *    what lies within the bounds: a neighbour across an edge or vertex, or a touch. */
 #ifndef CELLWALK_TESTS_ORACLE_H
 #define CELLWALK_TESTS_ORACLE_H
 
@@ -65,7 +65,7 @@ typedef enum verdict {
 } verdict;
 const char *verdict_name(verdict v);
 
-/* Whether a hit is where ray and surface are. Doubles decide where their error cannot matter, exact numbers where it could. */
+/* Whether a hit is where ray and surface are. Doubles decide where their error cannot matter, else exact numbers. */
 typedef struct hit_check {
     bool holds;        /* no phantom */
     double residual;   /* |d| at the hit's t over E and what t's rounding adds, <= 1 unless a phantom */
@@ -78,7 +78,7 @@ typedef struct judgement {
     hit_check at; /* of hits on solid triangles */
     double blur;  /* how far off Möller-Trumbore's place in such a triangle may be; infinite if the ray is parallel */
     /* Of right hits: */
-    /* |t - exact t|, and what it may be: half a unit in the last place, and E / |d'| near an edge; infinite if the ray is parallel. */
+    /* |t - exact t|, and what it may be: half an ulp, and E / |d'| near an edge; infinite if the ray is parallel. */
     double t_error, t_bound;
     /* How far u and v are off, and may be; both 0 where an edge is near. */
     double place_error, place_bound;
@@ -99,8 +99,8 @@ judgement oracle_judge(oracle *o, const cw_hit *hit);
 bool oracle_ray(oracle *o, const cw_ray *ray);
 
 /* Whether the present ray is, at t, clear of the surface on the side of side (1 above, -1 below), and over the field by
- * more than 2 delta. over: the triangle that it is over; or NULL, and then it is clear of all samples. A ray that is clear on
- * one side and later on the other, on a field without holes, passes. */
+ * more than 2 delta. over: the triangle that it is over; or NULL, and then it is clear of all samples. A ray that is
+ * clear on one side and later on the other, on a field without holes, passes. */
 bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *over);
 
 /* Is a hit where the present ray and the surface are, within the bounds? */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The oracle against a plainer one: every triangle of a small field in rational numbers, by another formula. Hit or miss, t
- * and the set of triangles that hold the hit have to be equal. */
+/* The oracle against a plainer one: every triangle of a small field in rational numbers, by another formula. Hit or
+ * miss, t and the set of triangles that hold the hit have to be equal. */
 
 #include "check.h"
 #include "oracle_walk.h"
@@ -33,8 +33,8 @@ static void cut(mpq_t *q, mpq_t *f, int sign) {
     if (way < 0 && mpq_cmp(q[P], q[T1]) < 0) mpq_set(q[T1], q[P]);
 }
 
-/* T0 becomes the first t on one closed triangle: the t at which three barycentric coordinates are >= 0 and the ray is as high as the mean of the
- * corners that they weigh. */
+/* T0 becomes the first t on one closed triangle: the t at which three barycentric coordinates are >= 0 and the ray is
+ * as high as the mean of the corners that they weigh. */
 static bool meet(mpq_t *q, const test_field *f, const cw_ray *ray, int32_t i, int32_t j, uint32_t triangle) {
     const float *h = &f->z[(size_t)j * f->nx + (size_t)i];
     const bool a = triangle == CW_TRIANGLE_A;

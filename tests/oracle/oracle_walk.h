@@ -19,7 +19,7 @@ typedef struct crossing {
     double t, error; /* |t - exact t| <= error */
 } crossing;
 
-/* The plane through a triangle: height h at (i, j); rises a1 - a0 along x and b1 - b0 along y, which a and b are in double. */
+/* A triangle's plane: height h at (i, j); rises a1 - a0 along x and b1 - b0 along y, which a and b are in double. */
 typedef struct plane {
     double h, a1, a0, b1, b0, a, b;
 } plane;
@@ -66,7 +66,7 @@ double oracle_height(const oracle *o, const oracle_triangle *t, double at);
 /* judge.c: looks for the clear pass among the segments. */
 void oracle_find_pass(oracle *o);
 
-/* ---- exact.c: the present ray, with nothing rounded ----------------------------------------------------------------- */
+/* ---- exact.c: the present ray, with nothing rounded -------------------------------------------------------------- */
 
 void exact_init(oracle *o);
 void exact_clear(oracle *o);
@@ -77,14 +77,14 @@ int exact_order(oracle *o, const crossing *a, const crossing *b);
 /* Sign of the ray's height above a triangle's plane at a crossing. */
 int exact_side(oracle *o, const crossing *at, const oracle_triangle *t);
 
-/* The t of a crossing, and that at which the ray meets a plane to which it is not parallel; off by less than 2^-50 relative. */
+/* The t of a crossing, and that at which the ray meets a plane not parallel to it; off by less than 2^-50 relative. */
 double exact_value(oracle *o, const crossing *at);
 double exact_meet(oracle *o, const oracle_triangle *t);
 
 /* Is x - y of the origin whole; *floor of it. */
 bool exact_diagonal(oracle *o, int32_t *floor);
 
-/* Is the ray at a hit's t within height of the triangle's plane and within place of the triangle, measured along x or y or as x - y? */
+/* Is the ray at a hit's t within height of the triangle's plane and place of the triangle, along x or y or as x - y? */
 bool exact_within(oracle *o, const oracle_triangle *t, double at, double height, double place);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Prints the number of kernels, counted once for each leaf test, and a hash of the bits of hits that all of them return, alone and
- * on a pool. Systems and C libraries must not differ in it, nor a program that is compiled with -ffast-math. Heights and rays are
- * made by integers and exact divisions alone. */
+/* Prints the number of kernels, counted once for each leaf test, and a hash of the bits of hits that all of them
+ * return, alone and on a pool. Systems and C libraries must not differ in it, nor a program that is compiled with
+ * -ffast-math. Heights and rays are made by integers and exact divisions alone. */
 
 #include <cellwalk_expert.h>
 
@@ -51,7 +51,7 @@ int main(void) {
     if (cw_field_describe(field).holes != 2) return fail("holes are not counted");
     int kernels = 0;
     uint64_t hash = 14695981039346656037u; /* FNV-1a */
-    /* Of each leaf test: answers of one are computed in float, in which it shows soonest if a multiply and an add are fused. */
+    /* Of each leaf test: answers of one are computed in float, where it shows soonest if multiply and add are fused. */
     for (cw_leaf leaf = CW_LEAF_MOLLER_TRUMBORE; leaf < CW_LEAF_COUNT; leaf++) {
         const cw_run plain = {.expert = {.kernel = cw_kernel_find("cell"), .leaf = leaf}};
         if (cw_closest(field, &plain, rays, RAYS, expected) != CW_OK) return fail("cell");

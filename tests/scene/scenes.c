@@ -63,10 +63,10 @@ static bool makes_landscape(io_error *e) {
                                  e));
 }
 
-/* ---- pictures ---------------------------------------------------------------------------------------------------------- */
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-/* Tracers that count rays, and those that do not come near the field's box. What begins there may leave it before tmin; rounding may have put
- * its origin a little outside. */
+/* Tracers that count rays, and those that do not come near the field's box. What begins there may leave it before tmin;
+ * rounding may have put its origin a little outside. */
 static uint64_t asked, outside;
 
 static void count_rays(size_t field, const cw_ray *rays, size_t n) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every function of both libraries that works for long or calls back, as rows of a table, for tests of what holds for all of them. */
+/* Every function of both libraries that works for long or calls back, as a table, for tests of what holds for all. */
 #ifndef CELLWALK_TESTS_CALLS_H
 #define CELLWALK_TESTS_CALLS_H
 

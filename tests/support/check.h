@@ -38,12 +38,12 @@ static inline size_t test_number(const char *variable, size_t least) {
     return number > least ? number : least;
 }
 
-/* How often tests with random parts repeat themselves: once, or as often as the environment variable CELLWALK_TEST_ROUNDS says
- * for, each time with other numbers. */
+/* How often tests with random parts repeat themselves: once, or as often as the environment variable
+ * CELLWALK_TEST_ROUNDS says for, each time with other numbers. */
 static inline size_t test_rounds(void) { return test_number("CELLWALK_TEST_ROUNDS", 1); }
 
-/* What tests divide their rays by where machine or build are slow (register.cmake), or where they have run in full elsewhere: that, times
- * the environment variable CELLWALK_TEST_DIVIDE. */
+/* What tests divide their rays by where machine or build are slow (register.cmake), or where they have run in full
+ * elsewhere: that, times the environment variable CELLWALK_TEST_DIVIDE. */
 static inline size_t test_divisor(void) {
     size_t slow = TEST_SCALE_DOWN * test_number("CELLWALK_TEST_DIVIDE", 1);
 #ifdef CELLWALK_EMULATES_AVX512 /* where the machine has it, emulated kernels only have to show that emulation works */
@@ -61,7 +61,7 @@ static inline size_t test_share(size_t n, size_t least) {
 /* CELLWALK_TEST_TURN: a number, which .ci/run takes from the commit, so that in time each case is taken. */
 static inline size_t test_turn(void) { return test_number("CELLWALK_TEST_TURN", 0); }
 
-/* Of things that are too few to be divided, and unlike each other, one in so many is taken, but no fewer than one in most: whether case k is. */
+/* Whether case k is taken: one in so many of things too few to divide and unlike each other, at least one in most. */
 static inline bool test_takes(size_t k, size_t most) {
     return (k + test_turn()) % (test_divisor() < most ? test_divisor() : most) == 0;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* AVX-512 for CPUs without it: SIMDe carries out its intrinsics, so that vec_avx512.h and the kernels 16 lanes wide are
- * tested on any machine. Included ahead of a stub by the compiler's -include. What SIMDe lacks is written out here, in GCC's vectors. */
+ * tested on any machine. Included ahead of a stub by -include. What SIMDe lacks is written here, in GCC's vectors. */
 #ifndef CELLWALK_TESTS_EMULATED_AVX512_H
 #define CELLWALK_TESTS_EMULATED_AVX512_H
 

@@ -20,8 +20,8 @@ typedef enum field_shape {
     FIELD_MIXED,    /* samples of sizes between 1e-30 and 1e30 */
     FIELD_HOLES,    /* uniform in [0, 1), one sample in seven NaN */
     FIELD_SHAPES,
-    /* Heights that are denormal. Möller and Trumbore's test has no error bound for them, and most rays that are aimed at them
-     * count as level. */
+    /* Heights that are denormal. Möller and Trumbore's test has no error bound for them, and most rays that are aimed
+     * at them count as level. */
     FIELD_FAINT = FIELD_SHAPES, /* random of size 2^-136: floats there have 13 bits */
     FIELD_LEAST,                /* 0 … 4 times the smallest float */
     FIELD_ALL_SHAPES

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The functions of the libraries as a program for tests in Python (words.h, library.py). A command is a function's name with its arguments,
- * each a number or room in memory that lasts for the call: <SIZE OFFSET is filled from the file in, >SIZE OFFSET goes to the file out, =SIZE
- * OFFSET both. OFFSET is how far it begins behind a multiple of 64; nothing may be written beside it. */
+/* The libraries' functions as a program for tests in Python (words.h, library.py). A command is a function's name and
+ * arguments, each a number or room in memory for the call: <SIZE OFFSET is filled from the file in, >SIZE OFFSET goes
+ * to the file out, =SIZE OFFSET both. It begins OFFSET behind a multiple of 64; nothing may be written beside it. */
 
 #include "cellwalk_expert.h"
 #include "fpenv.h"
@@ -25,7 +25,7 @@ typedef struct value {
     bool goes_out;
 } value;
 
-/* ---- functions ----------------------------------------------------------------------------------------------------------- */
+/* ---- functions --------------------------------------------------------------------------------------------------- */
 
 #define P(k)  v[k].p
 #define N(k)  v[k].n
@@ -33,7 +33,7 @@ typedef struct value {
 #define U(k)  (uint32_t) v[k].n
 #define AT(k) *(const cw_rectangle *)v[k].p
 
-/* Of the floating-point environment in which functions are called; FP_MODES and above: as it is. 0 where fpenv.h has no numbers for it. */
+/* Of the floating-point environment of calls; FP_MODES and above: as it is. 0 where fpenv.h has no numbers for it. */
 #if defined(__SSE__) || defined(__aarch64__)
 enum { FP_MODES = FPENV_FLAGS ? 32 : 16 };
 /* Flags in B too are in A, which may have more. */
@@ -44,8 +44,8 @@ enum { FP_MODES = 0 };
 #endif
 static size_t mode = FP_MODES;
 
-/* Bit 0 flushes denormal results to zero, bit 1 takes denormal operands for zero, two bits choose the rounding, and bit 4 unmasks all
- * exceptions and raises the flags of two. On ARM bit 0 is for operands and results both, and bit 1 gives every NaN the same bits. */
+/* Bit 0 flushes denormal results to zero, bit 1 denormal operands, two bits choose the rounding, bit 4 unmasks all
+ * exceptions and raises two flags. On ARM bit 0 is for operands and results, bit 1 gives every NaN the same bits. */
 static fpenv environment(fpenv now) {
 #if defined(__SSE__)
     enum { FTZ = 0x8000, DAZ = 0x40, ROUNDING = 0x2000, MASKS = 0x1f80, FLAGS = 0x9 };
@@ -119,7 +119,7 @@ static void text(const char *t) { fputs(t ? t : "NULL", answer); }
     X(setenv, setenv(P(0), P(1), 1))                                                                                   \
     X(set_mode, mode = N(0); number(FP_MODES))
 
-/* ---- memory that stays --------------------------------------------------------------------------------------------------- */
+/* ---- memory that stays ------------------------------------------------------------------------------------------- */
 
 static void *kept[4096];
 static size_t kept_count;
@@ -136,7 +136,7 @@ static void drop(void *p) {
     kept[k] = kept[--kept_count];
 }
 
-/* ---- fields inside ------------------------------------------------------------------------------------------------------- */
+/* ---- fields inside ----------------------------------------------------------------------------------------------- */
 
 /* To the file inside: all that is the same in a field made anew. */
 static void inside(const cw_field *f) {
@@ -155,8 +155,8 @@ static void inside(const cw_field *f) {
     stop_unless(to && fclose(to) == 0, "inside");
 }
 
-/* To files: a level's lowest samples of nodes, also of those outside the field, and then the highest; its slabs; the highest ahead. The answer is
- * how many nodes are in a row, and how many of them in the field, and how many levels there are. */
+/* To files: a level's lowest samples of nodes, also of those outside the field, then the highest; its slabs; the
+ * highest ahead. Answers how many nodes are in a row, how many of them in the field, and the number of levels. */
 static void bounds(const cw_field *f, size_t level) {
     const struct cw_pyramid *p = f->pyramid;
     const cw_pyramid_level *l = &p->level[level];
@@ -172,7 +172,7 @@ static void bounds(const cw_field *f, size_t level) {
     free(ends);
 }
 
-/* ---- what the library calls ------------------------------------------------------------------------------------------------ */
+/* ---- what the library calls -------------------------------------------------------------------------------------- */
 
 typedef struct task {
     cw_task_fn *run;
@@ -221,7 +221,7 @@ static bool lower_limit(void *context, double done) {
     return true;
 }
 
-/* ---- commands -------------------------------------------------------------------------------------------------------------- */
+/* ---- commands ---------------------------------------------------------------------------------------------------- */
 
 static value value_of(const char *word, FILE *in) {
     value v = {.goes_out = *word != '<'};

@@ -11,7 +11,7 @@
 #include "viewshed.h"
 #include "visible.h"
 
-/* ---- of a row of numbers, a row of others ---------------------------------------------------------------------------------- */
+/* ---- of a row of numbers, a row of others ------------------------------------------------------------------------ */
 
 typedef void look(const terrain *t, const double *row, double *to);
 
@@ -19,7 +19,7 @@ static void look_at_each(look *at, const terrain *t, size_t in, const double *ro
     for (size_t k = 0; k < n; k++) at(t, rows + k * in, to + k * out);
 }
 
-/* Column, row, azimuth: metres in one of x and y there, a step in that direction and its length, sine, cosine, height. */
+/* Column, row, azimuth: metres in one of x and y there, a step that way and its length, sine, cosine, height. */
 static void look_at_place(const terrain *t, const double *d, double *to) {
     cw_terrain_metres(t, d[0], d[1], to);
     to[4] = cw_terrain_direction(t, d[0], d[1], d[2], to + 2);
@@ -36,8 +36,8 @@ static void look_at_sky(const terrain *t, const double *d, double *to) { /* link
     to[2] = cw_clear_sky_diffuse(d[0], d[1], d[2]);
 }
 static void look_up(const terrain *t, const double *d, double *to) { *to = (double)cw_horizon_degrees((float)*d); }
-/* Eye, curvature, place of the target, its height, more over that: the first block, whether it is seen, what is needed, the steepest
- * rise. */
+/* Eye, curvature, place of the target, its height, more over that: the first block, whether it is seen, what is needed,
+ * the steepest rise. */
 static void look_along(const terrain *t, const double *d, double *to) {
     const sight_bounds *bounds;
     sight s;
@@ -49,10 +49,10 @@ static void look_along(const terrain *t, const double *d, double *to) {
     to[3] = cw_sight_steepest(&s, d[4], d[5], -INFINITY).steepest;
     cw_terrain_bounds_release(t, bounds);
 }
-/* 0: a new skyline; says of how many pieces the one before was. 1: an edge from (u, w) to (u, w) is added, from the last piece on that begins
- * before a place, sought from the last such piece on or anew; says whether who has found a piece behind the edge finds on from it. 2: looks in
- * a direction, from the last look on or anew. 3: the least between two directions. 4: looks closely in a direction; infinite where that is
- * not enough. */
+/* 0: a new skyline; says of how many pieces the one before was. 1: an edge from (u, w) to (u, w) is added, from the
+ * last piece on that begins before a place, sought from the last such piece on or anew; says whether who has found a
+ * piece behind the edge finds on from it. 2: looks in a direction, from the last look on or anew. 3: the least between
+ * two directions. 4: looks closely in a direction; infinite where that is not enough. */
 static void look_at_skyline(const terrain *t, const double *d, double *to) {
     static skyline line;
     static uint32_t at, before;
@@ -82,7 +82,7 @@ static void look_at_skyline(const terrain *t, const double *d, double *to) {
     }
 }
 
-/* ---- functions ------------------------------------------------------------------------------------------------------------- */
+/* ---- functions --------------------------------------------------------------------------------------------------- */
 
 #define D(k)                      v[k].d
 #define AREA(k)                   *(const cw_area *)v[k].p

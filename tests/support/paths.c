@@ -7,8 +7,8 @@
 path paths[PATHS_MAX];
 size_t path_count;
 
-/* Each kernel that is available takes part, all but the references by the strict rules, and "cell", with which others are compared, by two
- * leaf tests: forget one and tests prove less than they say. */
+/* Each kernel that is available takes part, all but the references by the strict rules, and "cell", with which others
+ * are compared, by two leaf tests: forget one and tests prove less than they say. */
 static int paths_find(void **state) {
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel *kernel = cw_kernel_at(k);

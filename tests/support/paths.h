@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every way to an answer: each kernel that this machine runs with each leaf test that it takes. Programs that try all of them are tables of
- * tests. */
+/* Every way to an answer: each kernel that this machine runs with each leaf test that it takes. Programs that try all
+ * of them are tables of tests. */
 #ifndef CELLWALK_TESTS_PATHS_H
 #define CELLWALK_TESTS_PATHS_H
 
@@ -20,8 +20,8 @@ enum { PATHS_MAX = 64 };
 extern path paths[PATHS_MAX];
 extern size_t path_count;
 
-/* Finds all paths and runs the n rows whose names match one of the program's arguments, which are patterns as of a shell; all without
- * arguments. */
+/* Finds all paths and runs the n rows whose names match one of the program's arguments, which are patterns as of a
+ * shell; all without arguments. */
 int paths_run(const char *name, struct CMUnitTest *rows, size_t n, int argc, char **argv);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- places ------------------------------------------------------------------------------------------------------------ */
+/* ---- places ------------------------------------------------------------------------------------------------------ */
 
 static double sign(random_state *r) { return random_bits(r) >> 63 ? 1 : -1; }
 
@@ -55,7 +55,7 @@ static void take_aim(aim at, const test_field *f, random_state *r, size_t cell[2
     surface(f, cell, x, y, p);
 }
 
-/* ---- ways to a place --------------------------------------------------------------------------------------------------- */
+/* ---- ways to a place --------------------------------------------------------------------------------------------- */
 
 /* What a class makes a ray of: a field, and a place on the surface of one of its cells. */
 typedef struct target {
@@ -206,8 +206,8 @@ static cw_ray with_zeros(const target *at, random_state *r) {
 }
 
 /* Every other one has any length that a float can have, so that its reciprocals and t come near the ends of the floats'
- * range too; one in four of these is all but parallel to the diagonal, where the difference of directions is far smaller
- * than they are. */
+ * range too; one in four of these is all but parallel to the diagonal, where the difference of directions is far
+ * smaller than they are. */
 static cw_ray scaled(const target *at, random_state *r) {
     cw_ray ray = from_above(at, r);
     double length = pow(10, random_between(r, -30, 30));
@@ -238,8 +238,8 @@ static cw_ray with_range(const target *at, random_state *r) {
     return ray;
 }
 
-/* From a place over the field, at the height of an extreme sample; mostly it rises little. The range begins behind it, at a power of 2 or
- * at minus infinity. Lengths are such that no direction counts as zero, or it is meant to. */
+/* From a place over the field, at the height of an extreme sample; mostly it rises little. The range begins behind it,
+ * at a power of 2 or at minus infinity. Lengths are such that no direction counts as zero, or it is meant to. */
 static cw_ray behind(const target *at, random_state *r) {
     const test_field *f = at->f;
     double q[3];
@@ -261,8 +261,8 @@ static cw_ray behind(const target *at, random_state *r) {
     return ray;
 }
 
-/* From half a side's length and more outside the field on one side, where rays are moved, to a place that it meets at t = 1, and that
- * mostly is farther from where it enters the field than that is from the origin. */
+/* From half a side's length and more outside the field on one side, where rays are moved, to a place that it meets at
+ * t = 1, and that mostly is farther from where it enters the field than that is from the origin. */
 static cw_ray moved(const target *at, random_state *r) {
     double q[3];
     random_in_box(at->f, r, q);
@@ -298,7 +298,7 @@ static cw_ray not_finite(const target *at, random_state *r) {
     return ray;
 }
 
-/* ---- classes ----------------------------------------------------------------------------------------------------------- */
+/* ---- classes ----------------------------------------------------------------------------------------------------- */
 
 static const struct {
     aim at;

@@ -23,8 +23,8 @@ typedef enum ray_class {
     RAY_ZEROS,    /* components 0, -0, denormal or as small as counts as zero */
     RAY_SCALED,   /* direction of length 1e-30 to 1e30, or of any length that a float can have */
     RAY_RANGE,    /* the t-range starts or ends on the surface, or within a cell, or is a point */
-    RAY_BEHIND, /* from exactly the height of the field's lowest or highest sample, with a range that begins far behind */
-    RAY_MOVED, /* from outside, by little more than where rays are moved; a range that begins or ends at the surface */
+    RAY_BEHIND, /* from the exact height of the field's lowest or highest sample, with a range that begins far behind */
+    RAY_MOVED,  /* from outside, by little more than where rays are moved; a range that begins or ends at the surface */
     RAY_LATTICE,    /* small integers, halves and quarters throughout, so that ties are exact */
     RAY_NOT_FINITE, /* NaN or infinity somewhere */
     RAY_CLASSES

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A program that obeys words.py. On standard input stand how many words a command has and then the words, each ended by a zero byte. The
- * answer goes to the descriptor that the program's argument names: + and what was found, or - and the error's text, and a zero byte.
- * Numbers that are no text of a file's come and go in files, as bytes. */
+/* A program that obeys words.py. On standard input stand how many words a command has and then the words, each ended by
+ * a zero byte. The answer goes to the descriptor that the program's argument names: + and what was found, or - and the
+ * error's text, and a zero byte. Numbers that are no text of a file's come and go in files, as bytes. */
 #ifndef CELLWALK_TESTS_WORDS_H
 #define CELLWALK_TESTS_WORDS_H
 

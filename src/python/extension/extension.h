@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What cffi binds to Python: the libraries' functions, which bind.py finds in the headers below, and what C does for Python beside them: the
- * watch of a call, and loops over many items. No file here uses Python's interface. cffi releases the GIL around each call. Python checks
- * arrays, which have room for all that is written. */
+/* What cffi binds to Python: the libraries' functions, which bind.py finds in the headers below, and what C does for
+ * Python beside them: the watch of a call, and loops over many items. No file here uses Python's interface. cffi
+ * releases the GIL around each call. Python checks arrays, which have room for all that is written. */
 #ifndef CELLWALK_PYTHON_EXTENSION_H
 #define CELLWALK_PYTHON_EXTENSION_H
 
@@ -14,7 +14,7 @@
 #include <cellwalk_expert.h>
 #include <stdatomic.h>
 
-/* ---- the watch of a call --------------------------------------------------------------------------------------------- */
+/* ---- the watch of a call ----------------------------------------------------------------------------------------- */
 
 typedef struct work {
     cw_run run;          /* with this watch; pool and kernel are Python's choice */
@@ -28,8 +28,8 @@ typedef struct work {
 /* By the thread that calls the libraries with w->run. python, pool and kernel are set, all else is 0. */
 void work_begin(work *w);
 
-/* A cw_watch_fn: context is the work. Threads other than the caller's only read whether the work is stopped, since Python handles signals on
- * its own threads. */
+/* A cw_watch_fn: context is the work. Threads other than the caller's only read whether the work is stopped, since
+ * Python handles signals on its own threads. */
 bool work_watch(void *context, double done);
 
 /* In Python; context is the work. The first handles signals and tells progress; false: an exception is kept. */
@@ -43,9 +43,9 @@ void drop_bounds(sight_bounds **bounds);
 void drop_insolation(insolation **sum);
 void drop_samples(float *memory); /* of an io_raster */
 
-/* ---- loops ----------------------------------------------------------------------------------------------------------- */
+/* ---- loops ------------------------------------------------------------------------------------------------------- */
 
-/* n rays from arrays of any layout: of origins, directions, tmin and tmax number k is at + k * step bytes; step 0 is one for all. */
+/* n rays from arrays of any layout: number k of an operand is at + k * step bytes; step 0 is one for all. */
 enum { RAYS_ORIGIN, RAYS_DIRECTION, RAYS_TMIN, RAYS_TMAX, RAYS_OPERANDS };
 typedef struct rays {
     uintptr_t at[RAYS_OPERANDS];

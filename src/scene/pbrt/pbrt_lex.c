@@ -63,8 +63,8 @@ static const char *skip_digits(const char *p) {
     return p;
 }
 
-/* A decimal number without regard to the locale, correctly rounded: [+-] digits [. digits] [e [+-] digits]. text must end
- * in a NUL somewhere. Returns the end of the number, or NULL if there is none. */
+/* A decimal number without regard to the locale, correctly rounded: [+-] digits [. digits] [e [+-] digits]. text must
+ * end in a NUL somewhere. Returns the end of the number, or NULL if there is none. */
 static const char *pbrt_number(const char *text, double *number) {
     const char *start = text + (*text == '-' || *text == '+'), *point = skip_digits(start), *p = point;
     if (*p == '.') p = skip_digits(p + 1);

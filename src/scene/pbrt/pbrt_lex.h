@@ -36,8 +36,8 @@ pbrt_token pbrt_next(pbrt_source *s);
 /* A number's value as a float, rounded once from the file's digits. */
 float pbrt_float(const pbrt_token *token);
 
-/* Reads plain numbers such as -0.25, rounded likewise, until most have been read or something else follows: a bracket, or a
- * number that only pbrt_next understands. Returns how many. */
+/* Reads plain numbers such as -0.25, rounded likewise, until most have been read or something else follows: a bracket,
+ * or a number that only pbrt_next understands. Returns how many. */
 size_t pbrt_plain_floats(pbrt_source *s, float *values, size_t most);
 
 #endif

@@ -11,7 +11,7 @@ static void *grown(void *array, size_t count, size_t size) { return realloc(arra
 
 static bool no_memory(const pbrt_site *site, io_error *error) { return pbrt_fail(site, error, "out of memory"); }
 
-/* ---- Texture and Material ----------------------------------------------------------------------------------------- */
+/* ---- Texture and Material ---------------------------------------------------------------------------------------- */
 
 /* The image becomes the scene's. */
 static bool read_image(pbrt_state *p, const pbrt_site *site, const char *filename, texture **out, io_error *error) {
@@ -114,7 +114,7 @@ bool pbrt_material(pbrt_state *p, const pbrt_site *site, io_error *error) {
     return good;
 }
 
-/* ---- Shape -------------------------------------------------------------------------------------------------------- */
+/* ---- Shape ------------------------------------------------------------------------------------------------------- */
 
 static bool create_field(const pbrt_site *site, heightfield *h, io_error *error) {
     cw_field_desc desc = {0};
@@ -194,7 +194,7 @@ bool pbrt_shape(pbrt_state *p, const pbrt_site *site, io_error *error) {
     return good;
 }
 
-/* ---- LightSource -------------------------------------------------------------------------------------------------- */
+/* ---- LightSource ------------------------------------------------------------------------------------------------- */
 
 bool pbrt_light(pbrt_state *p, const pbrt_site *site, io_error *error) {
     pbrt_params params = {.count = 0};

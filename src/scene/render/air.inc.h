@@ -7,7 +7,7 @@
 
 /* Sky, haze and level water. A scene without them runs none of this. */
 
-/* ---- sky -------------------------------------------------------------------------------------------------------------- */
+/* ---- sky --------------------------------------------------------------------------------------------------------- */
 
 /* The share of the difference to white that is added toward the sun. */
 LANE_INLINE float glow_of(float toward) {
@@ -17,8 +17,8 @@ LANE_INLINE float glow_of(float toward) {
     return 0.15f * eighth + 0.5f * disc * disc;
 }
 
-/* The sky's colour: rise is the sine of the angle over the horizon, toward the cosine of that to the sun. Below the horizon the
- * plain is seen through so much air as lies before it. */
+/* The sky's colour: rise is the sine of the angle over the horizon, toward the cosine of that to the sun. Below the
+ * horizon the plain is seen through so much air as lies before it. */
 LANE_INLINE void vault_colour(const sky *s, float rise, float toward, float colour[3]) {
     static const float warm[3] = {1, 0.95f, 0.85f};
     const float low = rise > 0 ? 1 - rise : 1, share = 1 - low * low * low, glow = glow_of(toward);
@@ -53,7 +53,7 @@ static void add_sky(wave *w, const wave_rays *r, const float up[3], const float 
     }
 }
 
-/* ---- haze ------------------------------------------------------------------------------------------------------------- */
+/* ---- haze -------------------------------------------------------------------------------------------------------- */
 
 /* Takes haze's share of the light of a strip's first n paths, and adds that of the air before them. */
 static void add_haze(wave *w, const wave_rays *r, size_t home, size_t n) {
@@ -72,7 +72,7 @@ static void add_haze(wave *w, const wave_rays *r, size_t home, size_t n) {
     }
 }
 
-/* ---- water ------------------------------------------------------------------------------------------------------------ */
+/* ---- water ------------------------------------------------------------------------------------------------------- */
 
 /* Camera rays that come to the water's plane over the field, before they meet the ground, end there. */
 static void meet_water(wave *w) {
@@ -99,7 +99,7 @@ LANE_INLINE float mirrored_share(float cosine) {
     return 0.02f + 0.98f * (second * second * rest);
 }
 
-/* How the mirrored ray's neighbours differ: their points are in the water's plane, and their directions are mirrored. */
+/* How the mirrored ray's neighbours differ: their points are in the water's plane, their directions mirrored. */
 static void spread_from_water(const plan_shape *field, const float dir[3], float t, float depth, wave_spread *spread,
                               size_t to) {
     for (int a = 0; a < 2; a++) {

@@ -8,9 +8,9 @@
 
 #include <string.h>
 
-/* Camera rays of a tile: block by block, sample by sample, pixel by pixel, so that sixteen in a row look almost the same
- * way. (Four samples of 2 x 2 pixels lie closer yet. With them landsea-big renders in 0.90 of the time and texture in 0.98, but
- * landsea-0 in 1.04 and landsea-2 in 1.06, as the rays take longer to make.) */
+/* Camera rays of a tile: block by block, sample by sample, pixel by pixel, so that sixteen in a row look almost the
+ * same way. (Four samples of 2 x 2 pixels lie closer yet. With them landsea-big renders in 0.90 of the time and texture
+ * in 0.98, but landsea-0 in 1.04 and landsea-2 in 1.06, as the rays take longer to make.) */
 
 /* Directions through one sample of each pixel of the block whose corner is (x, y) at depth 1, from place on. */
 static void block_directions(wave *w, float x, float y, uint32_t sample, uint32_t seed[2][WAVE_LANES], size_t place) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Computations on single paths: functions of floats that loops over paths are made of. Compilers turn such a
- * loop into vectors of any width, and the bits stay the same: each operation is IEEE's and rounds once, nothing is fused or
- * put in another order (src/flags.cmake), choices are by ?: and not by branches. */
+ * loop into vectors of any width, and the bits stay the same: each operation is IEEE's and rounds once, nothing is
+ * fused or put in another order (src/flags.cmake), choices are by ?: and not by branches. */
 #ifndef CELLWALK_SCENE_LANES_H
 #define CELLWALK_SCENE_LANES_H
 
@@ -49,8 +49,8 @@ LANE_INLINE int32_t lane_ceil(float x) {
     return k + (x > (float)k);
 }
 
-/* 2^-x for x >= 0, to 2^-22 of itself, and 2^-126 beyond 126: a polynomial fitted at Chebyshev's points of [0, 1] times an exact
- * power. libm's own function takes another way on another CPU. */
+/* 2^-x for x >= 0, to 2^-22 of itself, and 2^-126 beyond 126: a polynomial fitted at Chebyshev's points of [0, 1] times
+ * an exact power. libm's own function takes another way on another CPU. */
 LANE_INLINE float lane_halved(float x) {
     const float most = x < 126 ? x : 126;
     const int32_t whole = (int32_t)most;

@@ -8,8 +8,8 @@
 #include <string.h>
 
 /* Colours of an image for a strip of paths. A pyramid of halved images is read at a level as fine as the footprint of a
- * sample is wide, in as many probes along its length as it is longer (McCormack et al. 1999): one where it is nearly round.
- * Footprints longer than eight times their width are widened, which bounds the cost. */
+ * sample is wide, in as many probes along its length as it is longer (McCormack et al. 1999): one where it is nearly
+ * round. Footprints longer than eight times their width are widened, which bounds the cost. */
 
 /* A footprint is at most this many times as long as wide, and by so much of its width it may be longer before it takes
  * another probe. */
@@ -99,13 +99,13 @@ LANE_INLINE float lane_part(float x) {
     return near.f - (float)lane_floor(near.f);
 }
 
-/* The texels that a probe reads of a level: rows and columns repeat with the image. (In two steps, without a choice: else GCC
- * makes branches of it.) */
+/* The texels that a probe reads of a level: rows and columns repeat with the image. (In two steps, without a choice:
+ * else GCC makes branches of it.) */
 LANE_INLINE void place_probe(wave_probes *p, size_t k, float width, float height) {
     p->right[k] = lane_part(p->u[k]) * width - 0.5f;
     p->down[k] = lane_part(p->v[k]) * height - 0.5f;
 }
-/* In an image that clamps, a probe lies between the middles of the outer texels, where those of the far side have weight 0. */
+/* In an image that clamps, a probe lies between the middles of the outer texels, where the far side's have weight 0. */
 LANE_INLINE float clamped(float x, float last) {
     const float from = x > 0 ? x : 0;
     return from < last ? from : last;

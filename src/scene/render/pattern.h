@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where in its pixel a sample lies: the first two dimensions of Sobol's sequence (Sobol' 1967), scrambled for each pixel
- * by Owen's nested permutations (Owen 1995) in the hashed form of Laine and Karras 2011. Any power of two of
+/* Where in its pixel a sample lies: the first two dimensions of Sobol's sequence (Sobol' 1967), scrambled for each
+ * pixel by Owen's nested permutations (Owen 1995) in the hashed form of Laine and Karras 2011. Any power of two of
  * consecutive samples is stratified in x, in y and in both; any other number is nearly so. */
 #ifndef CELLWALK_SCENE_PATTERN_H
 #define CELLWALK_SCENE_PATTERN_H
@@ -33,8 +33,8 @@ static inline uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
     return x ^ x * 0x8d22f6e6u;
 }
 
-/* A sample's second dimension, whose matrix is Pascal's triangle modulo 2. The first is the sample's number itself: van der
- * Corput's, whose bits are reversed. */
+/* A sample's second dimension, whose matrix is Pascal's triangle modulo 2. The first is the sample's number itself: van
+ * der Corput's, whose bits are reversed. */
 static inline uint32_t pattern_second(uint32_t number) {
     uint32_t value = 0;
     for (uint32_t column = 0x80000000u; number != 0; number >>= 1, column ^= column >> 1)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The steps that a scene requires of the renderer, found once before a rendering: its shapes' spaces, the maps between them, and
- * which features occur at all. Code that a scene does not require is not run.
+/* The steps that a scene requires of the renderer, found once before a rendering: its shapes' spaces, the maps between
+ * them, and which features occur at all. Code that a scene does not require is not run.
  *
- * A space is where coordinates are small and exact: a height field's own, with unit cells, a cylinder's own, the camera's.
- * A ray begins in the space of its origin's shape, its home, and is moved from there to each shape that it may meet by one
- * affine map. Shading stays in the shape's space: the sign of a normal times a vector is the same in all spaces, and
- * lengths are measured by a metric, the product of the linear map to the world with its transpose. So nothing depends on
- * where in the world a scene lies, and floats do. */
+ * A space is where coordinates are small and exact: a height field's own, with unit cells, a cylinder's own, the
+ * camera's. A ray begins in the space of its origin's shape, its home, and is moved from there to each shape that it
+ * may meet by one affine map. Shading stays in the shape's space: the sign of a normal times a vector is the same in
+ * all spaces, and lengths are measured by a metric, the product of the linear map to the world with its transpose. So
+ * nothing depends on where in the world a scene lies, and floats do. */
 #ifndef CELLWALK_SCENE_PLAN_H
 #define CELLWALK_SCENE_PLAN_H
 
@@ -59,8 +59,8 @@ typedef struct plan {
     plan_metric camera_metric;
     double corner[2], pixel; /* the picture's upper left corner and a pixel's side, at depth 1 */
 
-    /* The sky's vectors in the first field's space, for what water mirrors: times a direction there of length one in the world,
-     * its sine over the horizon and its cosine to the sun. */
+    /* The sky's vectors in the first field's space, for what water mirrors: times a direction there of length one in
+     * the world, its sine over the horizon and its cosine to the sun. */
     float up[3], sun[3];
 
     bool mirrors; /* paths go on, and carry their share of the light */

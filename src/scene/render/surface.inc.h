@@ -175,7 +175,7 @@ static void on_field(wave *w, const plan_shape *shape) {
     }
 }
 
-/* Vertices that a normal is made from: the cell's corners at both ends of its diagonal, and the third corner of the triangle. */
+/* Vertices of a normal: the cell's corners at both ends of its diagonal, and the third corner of the triangle. */
 enum { VERTEX_FIRST, VERTEX_LAST, VERTEX_THIRD };
 
 /* A vertex's normal is the sum of those of its triangles, at most six: both of the cells to the north-east and the

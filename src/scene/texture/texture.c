@@ -63,8 +63,8 @@ static void repeat_row(const texture *t, const texture_level *l, int32_t y) {
     memcpy(texel(t, l, l->width, y), texel(t, l, 0, y), 4 * sizeof(uint16_t));
 }
 
-/* False if there are too many texels for their numbers. A level has at most half of the texels of the level before and one
- * more, for the outer two of a row: below the finest one there are at most as many as in it and 62, and there is room for 64. */
+/* False if there are too many texels for their numbers. A level has at most half the texels of the level before and one
+ * more, for the outer two of a row: below the finest there are at most as many as in it and 62, with room for 64. */
 static bool lay_out(texture *t, size_t width, size_t height, size_t *texels) {
     *texels = 0;
     for (t->count = 1;; t->count++) {

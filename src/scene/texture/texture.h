@@ -23,8 +23,8 @@ typedef struct texture {
     uint16_t *texels; /* four halves each, the last of them 0 */
 } texture;
 
-/* Takes an image that was read over into a texture that is all zero. False if it is too large; the image is then still the
- * caller's. */
+/* Takes an image that was read over into a texture that is all zero. False if it is too large; the image is then still
+ * the caller's. */
 bool texture_fill(texture *t, io_image *image);
 void texture_free(texture *t);
 

@@ -53,7 +53,7 @@ void progress_end(void) {
 
 static const char *running = "cellwalk"; /* the program's name */
 
-/* All that the program writes to standard error, but for the line of progress, comes this way. It takes that line's place. */
+/* All of the program's standard error but the line of progress comes this way. It takes that line's place. */
 int command_fail(const char *name, const char *format, ...) {
     char text[4096];
     va_list arguments;
@@ -120,8 +120,8 @@ static int run(const program *p, int argc, char **argv) {
     return unknown(p, word);
 }
 
-/* Where a standard stream is closed, the next file to be opened would take its number, and an output would have messages
- * written into it. The streams opened here instead fail as closed ones do. */
+/* Where a standard stream is closed, the next file to be opened would take its number, and an output would have
+ * messages written into it. The streams opened here instead fail as closed ones do. */
 static void hold_streams(void) {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
         if (fcntl(fd, F_GETFD) < 0) open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);

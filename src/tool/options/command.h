@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A program and its subcommands, their messages and exit statuses. Standard output carries results only; messages, warnings and
- * progress go to standard error. */
+/* A program and its subcommands, their messages and exit statuses. Standard output carries results only; messages,
+ * warnings and progress go to standard error. */
 #ifndef CELLWALK_OPTIONS_COMMAND_H
 #define CELLWALK_OPTIONS_COMMAND_H
 
@@ -24,12 +24,12 @@ typedef struct program {
     void (*about)(void); /* prints the lines of --version below the version; or NULL */
 } program;
 
-/* Runs the subcommand that argv[1] names, and handles --help, --version and unknown subcommands. Returns the exit status,
- * which is not 0 if standard output could not be written. */
+/* Runs the subcommand that argv[1] names, and handles --help, --version and unknown subcommands. Returns the exit
+ * status, which is not 0 if standard output could not be written. */
 int program_main(const program *p, int argc, char **argv);
 
-/* Exit statuses: EXIT_USAGE for a wrong command line, EXIT_FAILURE for all later errors. A program that was interrupted ends
- * with the signal. */
+/* Exit statuses: EXIT_USAGE for a wrong command line, EXIT_FAILURE for all later errors. A program that was interrupted
+ * ends with the signal. */
 enum { EXIT_USAGE = 2 };
 
 /* Prints "PROGRAM NAME: message", or "PROGRAM: message" if name is empty, and returns EXIT_FAILURE. */
@@ -47,9 +47,9 @@ __attribute__((format(printf, 5, 6))) void command_wrote(const char *name, bool 
 /* Prints "PROGRAM NAME". */
 void command_print_name(FILE *to, const char *name);
 
-/* The line on the terminal that says how far a long run is; none where standard error is no terminal. step, "tracing", must stay; another
- * one begins a new line. share is in [0, 1]. Prints at most ten times a second, and not in a run that is over at once. Calls must not
- * overlap. */
+/* The line on the terminal that says how far a long run is; none where standard error is no terminal. step, "tracing",
+ * must stay; another one begins a new line. share is in [0, 1]. Prints at most ten times a second, and not in a run
+ * that is over at once. Calls must not overlap. */
 void progress_show(const char *step, double share);
 /* Removes the line. Messages do so themselves; to be called before anything is printed to standard output. */
 void progress_end(void);
@@ -58,12 +58,12 @@ bool progress_is_shown(void);
 
 /* Of count words the one that is closest to word, by edit distance, if it is close enough to be meant; else NULL. */
 const char *words_closest(const char *word, const char *const *words, size_t count);
-/* Prints "PROGRAM NAME: WHAT 'word' is unknown; there are a, b, c" with the closest one before the list. Returns false. */
+/* Prints "PROGRAM NAME: WHAT 'word' is unknown; there are a, b, c" with the closest before the list. Returns false. */
 bool words_unknown(const char *name, const char *what, const char *word, const char *const *words, size_t count);
-/* Prints text from column on, which is where the cursor is, on lines of at most 80 columns, all of them indented by column.
- * An empty line ends a paragraph. A line that begins with a space is one of a list: it begins on a new line, and goes
- * on, if it is too long, below the text behind its first gap of two spaces. All other line breaks are spaces. Ends with a
- * line break. */
+/* Prints text from column on, which is where the cursor is, on lines of at most 80 columns, all of them indented by
+ * column. An empty line ends a paragraph. A line that begins with a space is one of a list: it begins on a new line,
+ * and goes on, if it is too long, below the text behind its first gap of two spaces. All other line breaks are spaces.
+ * Ends with a line break. */
 void words_wrap(const char *text, size_t column);
 
 #endif

@@ -94,7 +94,7 @@ int options_parse(const options_usage *usage, int argc, char **argv, const char 
 
 /* Whether the last command line had the option. */
 bool options_given(const char *name);
-/* That it had none of some, up to a NULL; false after a message with the reason: "--band is for rasters, not for scenes". */
+/* That it had none, up to a NULL; false after a message with the reason: "--band is for rasters, not for scenes". */
 bool options_lack(const char *name, const char *const *options, const char *reason);
 
 /* Names for options: of kernels, instruction sets and leaf tests. */
@@ -102,10 +102,10 @@ const char *option_kernel_names(size_t number);
 const char *option_isa_names(size_t number);
 const char *option_leaf_names(size_t number);
 
-/* Instruction sets that a user names. Each function returns false after a message, which begins with the subcommand's name.
- *  - CELLWALK_ISA: an upper bound, which may lie above the machine's; a misspelt one is an error, since the library would ignore it.
- *  - The library is limited to isa. It is an error if CPU or CELLWALK_ISA rule that out, or else a measurement would carry the
- *    wrong label. */
+/* Instruction sets that a user names. Functions return false after a message that begins with the subcommand's name.
+ *  - CELLWALK_ISA: an upper bound that may exceed the machine's; a misspelt one fails: the library would ignore it.
+ *  - The library is limited to isa. It is an error if CPU or CELLWALK_ISA rule that out, or else a measurement would
+ *    carry the wrong label. */
 bool option_isa_environment(const char *name);
 bool option_isa_limit(const char *name, cw_isa isa);
 

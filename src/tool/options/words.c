@@ -54,8 +54,8 @@ static size_t columns_of(const char *text, size_t bytes) {
     return columns;
 }
 
-/* Prints so many bytes of text from column at on, which is where the cursor is; lines but the first begin at column hang. Line
- * breaks are spaces. Where the cursor is then. */
+/* Prints so many bytes of text from column at on, which is where the cursor is; lines but the first begin at column
+ * hang. Line breaks are spaces. Where the cursor is then. */
 static size_t fold(const char *text, size_t bytes, size_t at, size_t hang) {
     for (const char *end = text + bytes; text < end;) {
         const size_t spaces = strspn(text, " \n"), length = strcspn(text + spaces, " \n");

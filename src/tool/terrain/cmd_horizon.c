@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk horizon`: the horizon's angle in directions all round, or how much of the sky is seen; of all samples, or of places. */
+/* `cellwalk horizon`: the horizon's angle all round, or how much of the sky is seen; of all samples, or of places. */
 
 #include "command.h"
 #include "inputs.h"
@@ -43,7 +43,7 @@ static bool fill(product *p, const product_block *b, void *cells, io_error *erro
                         error);
 }
 
-/* ---- horizons of places ------------------------------------------------------------------------------------------- */
+/* ---- horizons of places ------------------------------------------------------------------------------------------ */
 
 static bool write_row(horizon_command *c, size_t k, const place_horizon *h, double from_true, io_error *error) {
     char true_azimuth[40] = "";
@@ -132,7 +132,7 @@ static bool write_places(horizon_command *c, io_error *error) {
     return good;
 }
 
-/* ---- the command line ---------------------------------------------------------------------------------------------- */
+/* ---- the command line -------------------------------------------------------------------------------------------- */
 
 static bool is_of_places(const horizon_command *c) { return c->at.count > 0 || c->file != NULL; }
 

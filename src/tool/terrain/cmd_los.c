@@ -61,7 +61,7 @@ static bool find_line(los_command *c, size_t number, const io_place places[2], i
     return !c->profile || write_profile(c, number, error);
 }
 
-/* ---- two places ---------------------------------------------------------------------------------------------------- */
+/* ---- two places -------------------------------------------------------------------------------------------------- */
 
 static void print_json(const los_command *c) {
     const line *l = &c->line;
@@ -89,7 +89,7 @@ static void print(const los_command *c) {
                no_minus(100 * c->free.share, 0.5), c->free.radius, c->free.distance);
 }
 
-/* ---- pairs of a table ----------------------------------------------------------------------------------------------- */
+/* ---- pairs of a table -------------------------------------------------------------------------------------------- */
 
 enum { X1, Y1, X2, Y2, HEIGHT1, HEIGHT2, NAME, NAMES };
 static const char *const columns[NAMES] = {"x1", "y1", "x2", "y2", "height1", "height2", "name"};
@@ -146,7 +146,7 @@ static bool look_at_pairs(los_command *c, io_error *error) {
     return true;
 }
 
-/* ---- all together ------------------------------------------------------------------------------------------------- */
+/* ---- all together ------------------------------------------------------------------------------------------------ */
 
 static bool look(los_command *c, io_error *error) {
     c->curvature = ground_curvature(&c->product.ground, c->curvature);

@@ -61,8 +61,8 @@ static bool fill(product *p, const product_block *b, void *cells, io_error *erro
     return product_good(status, error);
 }
 
-/* The sun in the middle of each step. Days begin at midnight of the place's mean solar time, so that a day's light is one
- * piece. */
+/* The sun in the middle of each step. Days begin at midnight of the place's mean solar time, so that a day's light is
+ * one piece. */
 static bool find_suns(sun_command *c, const sun_place *place, io_error *error) {
     sun_list *list = &c->suns;
     if (c->at.suns) return sun_list_read(c->at.suns, &c->product.ground.watch, list, error);
@@ -153,7 +153,7 @@ static void end(void *context) {
     sun_list_free(&c->suns);
 }
 
-/* ---- the command line --------------------------------------------------------------------------------------------------- */
+/* ---- the command line -------------------------------------------------------------------------------------------- */
 
 /* The midnights of UTC that begin the first and the last day of a day, a month or a year: 2024-06-21, 2024-06, 2024. */
 static bool read_days(const char *text, double *first, double *last) {

@@ -54,7 +54,7 @@ static bool fill(product *p, const product_block *b, void *cells, io_error *erro
     return true;
 }
 
-/* The land that is turned has margins beside the samples that are so many columns apart (src/terrain/visible/visible_land.c). */
+/* Turned land has margins beside the samples that are so many columns apart (src/terrain/visible/visible_land.c). */
 static double turned_bytes(const visibility_command *c) {
     enum { MARGINS = 80 };
     const terrain *t = &c->product.ground.whole;

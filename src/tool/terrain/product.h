@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Subcommands that make a raster of one terrain. They all run the same way: options, opening, pieces of the raster one after the
- * other, each filling its rows, the output, the line at the end. */
+/* Subcommands that make a raster of one terrain. They all run the same way: options, opening, pieces of the raster one
+ * after the other, each filling its rows, the output, the line at the end. */
 #ifndef CELLWALK_TOOL_TERRAIN_PRODUCT_H
 #define CELLWALK_TOOL_TERRAIN_PRODUCT_H
 
@@ -22,8 +22,8 @@ typedef struct product_block {
 typedef struct product {
     /* What the subcommand is; fill and what follows may be NULL. */
     void *context;
-    /* Checks the command line. False after a message. *bands, 1 at first: how many the raster has; 0: none is written, and
-     * begin reads the samples that it needs. */
+    /* Checks the command line. False after a message. *bands, 1 at first: how many the raster has; 0: none is written,
+     * and begin reads the samples that it needs. */
     bool (*check)(void *context, size_t *bands);
     /* Describes the result in all fields down to the options. */
     bool (*begin)(struct product *p, io_error *error);
@@ -79,8 +79,8 @@ bool product_check_table(const char *path, const char *option, io_error *error);
 /* The output is none of the inputs that have been noted; an error if it is. */
 bool product_check_output(const product *p, io_error *error);
 
-/* The result's size, place and coordinate system. what: the meaning of a sample's number, in one sentence, and the name of a single
- * band; it must stay. */
+/* The result's size, place and coordinate system. what: the meaning of a sample's number, in one sentence, and the name
+ * of a single band; it must stay. */
 void product_describe(product *p, io_cell cell, size_t bands, const char *what);
 /* Notes more of what was done. No more than fits. */
 __attribute__((format(printf, 2, 3))) void product_note(product *p, const char *format, ...);

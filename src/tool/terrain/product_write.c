@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Products of a part of a raster, and of rasters that memory does not hold: bands of rows, each from a piece of the raster that
- * has all that matters to it. */
+/* Products of a part of a raster, and of rasters that memory does not hold: bands of rows, each from a piece of the
+ * raster that has all that matters to it. */
 #include "command.h"
 #include "product.h"
 

@@ -24,11 +24,11 @@ typedef struct sun_table {
 /* Checks place, tilt and facing; false after a message. */
 bool sun_table_check(sun_table *a, const char *name);
 
-/* Where the sun is seen from: a place on the map, by default the middle, or as --lon-lat says, for a file that does not. */
+/* Where the sun is seen from: a place on the map, by default the middle, or as --lon-lat says if the file does not. */
 bool sun_table_place(const product *p, sun_table *a, const terrain *t, const double at[2], io_error *error);
 
-/* Prints a row for each day, or if there are more than 62 for each month, as CSV to the output or standard output; of a list of suns one
- * row. */
+/* Prints a row for each day, or if there are more than 62 for each month, as CSV to the output or standard output; of a
+ * list of suns one row. */
 bool sun_table_write(product *p, sun_table *a, io_error *error);
 
 #endif

@@ -19,7 +19,7 @@ static const double sun_light = 0.85, sky_light = 0.3;
 static const float horizon[3] = {0.70f, 0.80f, 0.93f}, above[3] = {0.16f, 0.34f, 0.70f},
                    plain[3] = {0.20f, 0.27f, 0.16f};
 
-/* ---- places ------------------------------------------------------------------------------------------------------- */
+/* ---- places ------------------------------------------------------------------------------------------------------ */
 
 bool view_check(view *v) {
     memcpy(v->sun_at, usual_sun, sizeof usual_sun);
@@ -115,7 +115,7 @@ static void shine(const view *v, landscape_desc *d) {
     memcpy(d->plain, plain, sizeof plain);
 }
 
-/* ---- colours ------------------------------------------------------------------------------------------------------ */
+/* ---- colours ----------------------------------------------------------------------------------------------------- */
 
 /* Texels a side at most: heights change slowly enough for as many. */
 enum { TEXELS_MOST = 2048 };
@@ -154,10 +154,10 @@ static bool tint_heights(io_image *colours, const terrain *t, io_error *error) {
     return true;
 }
 
-/* ---- all together ------------------------------------------------------------------------------------------------- */
+/* ---- all together ------------------------------------------------------------------------------------------------ */
 
-/* Smooth normals are made of neighbours, and the renderer takes them all for ground: where one is a hole, the mean of those
- * around it that are not stands in. */
+/* Smooth normals are made of neighbours, and the renderer takes them all for ground: where one is a hole, the mean of
+ * those around it that are not stands in. */
 static float *fill_holes(const float *z, size_t nx, size_t ny, io_error *error) {
     float *filled = malloc(nx * ny * sizeof *filled);
     if (filled == NULL) {

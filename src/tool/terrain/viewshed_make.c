@@ -18,7 +18,7 @@ static bool tell(void *context, double share) {
     return true;
 }
 
-/* ---- samples ------------------------------------------------------------------------------------------------------- */
+/* ---- samples ----------------------------------------------------------------------------------------------------- */
 
 /* The samples that one observer's answers in the window come from. */
 static cw_rectangle samples_of(const viewshed_command *c, const double at[2]) {
@@ -60,7 +60,7 @@ static bool read_samples(viewshed_command *c, io_error *error) {
     return ground_check(g, piece, more, error) && ground_read(g, piece, false, error);
 }
 
-/* ---- observers that see nothing -------------------------------------------------------------------------------------- */
+/* ---- observers that see nothing ---------------------------------------------------------------------------------- */
 
 /* Whether an observer has a place to look from; before samples are read, whether it stands on the raster. */
 static bool can_look(const viewshed_command *c, const io_place *place, bool read, io_error *why) {
@@ -94,7 +94,7 @@ static bool skip_observers(viewshed_command *c, bool read, io_error *error) {
     return true;
 }
 
-/* ---- views ----------------------------------------------------------------------------------------------------------- */
+/* ---- views ------------------------------------------------------------------------------------------------------- */
 
 /* The line of the table about one observer's view of the window, which is then added to those before. */
 static bool print_view(viewshed_command *c, const double eye[3], io_error *error) {
@@ -225,7 +225,7 @@ bool viewshed_fill(product *p, const product_block *b, void *cells, io_error *er
     return true;
 }
 
-/* ---- the raster ------------------------------------------------------------------------------------------------------ */
+/* ---- the raster -------------------------------------------------------------------------------------------------- */
 
 static const char *meaning(const viewshed_command *c) {
     if (c->weights) return "sum of the weights of the observers that see the target";

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The words of one vocabulary, for tests/core/vocabulary.c. Built once for each row of simd/isas.cmake, and once more in
- * vectors of two registers. */
+/* The words of one vocabulary, for tests/core/vocabulary.c. Built once for each row of simd/isas.cmake, and once more
+ * in vectors of two registers. */
 
 #include "vocabulary.h"
 
@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-/* Lanes lie in vectors as in memory, which makes these independent of the words that load and store. Masks have no such form:
- * vm_from_bits and vm_bits carry them. */
+/* Lanes lie in vectors as in memory, which makes these independent of the words that load and store. Masks have no such
+ * form: vm_from_bits and vm_bits carry them. */
 #define CARRY(vector, lane, name)                                                                                      \
     _Static_assert(sizeof(vector) == sizeof(lane[LANES]), "vectors hold more than their lanes");                       \
     static inline void put_##name(lane *to, vector a) { memcpy(to, &a, sizeof a); }                                    \

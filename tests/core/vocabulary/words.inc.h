@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A row for each word of simd/vocabulary/vec_scalar.h: name, result, how it is called. Included once for functions and once for
- * the table of them. FLOATS, INTS, DOUBLES and MASK read operands, each TO_… writes a result. */
+/* A row for each word of simd/vocabulary/vec_scalar.h: name, result, how it is called. Included once for functions and
+ * once for the table of them. FLOATS, INTS, DOUBLES and MASK read operands, each TO_… writes a result. */
 
 /* clang-format off: a word a line */
 WORD(vf_set, GIVES_BITS, TO_FLOATS(vf_set(in->one_float)))

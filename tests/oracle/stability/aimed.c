@@ -9,8 +9,8 @@ const char *aim_name(aim kind) {
     return names[kind];
 }
 
-/* A ray in the making: it goes through p, n · step before it and m · step behind it being clear of all samples, while it
- * rises by rise with every step. */
+/* A ray in the making: it goes through p, n · step before it and m · step behind it being clear of all samples, while
+ * it rises by rise with every step. */
 typedef struct plan {
     double p[3], step[2], rise;
     double n, m;
@@ -130,8 +130,8 @@ static double height_after(const aimed_field *f, const plan *q, double steps) {
     return place[2];
 }
 
-/* Where the ray starts and how steep it is: clear of all samples n steps before p and m steps behind it. One that starts near is
- * clear of the surface at these places alone. */
+/* Where the ray starts and how steep it is: clear of all samples n steps before p and m steps behind it. One that
+ * starts near is clear of the surface at these places alone. */
 static void place_ends(aim kind, aim_start start, const aimed_field *f, random_state *r, plan *q) {
     const double span = f->high - f->low, tall = span > 0 ? span : fmax(fabs(f->high), 1);
     const double most = start == START_NEAR ? 2 : 1e6;
@@ -198,7 +198,7 @@ static float begin_behind(random_state *r, double from) {
     return random_below(r, 4) && tmin < 0x1p127 ? -(float)exp2(ceil(log2(tmin))) : -INFINITY;
 }
 
-/* The ray starts where it is at the height of the highest sample if it comes from above, of the lowest if from below. */
+/* The ray starts at the height of the highest sample if it comes from above, of the lowest if from below. */
 static aimed_ray from_behind(random_state *r, const plan *q, const aimed_field *f) {
     const double height = q->side > 0 ? f->high : f->low, start = (height - q->p[2]) / q->rise;
     const double step[3] = {q->step[0], q->step[1], q->rise};

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays that are aimed at places that rounding can miss, and that pass through the surface by construction: they are clearly above all
- * samples and later clearly below all of them while over the field, or the reverse; those that start near, above and below the
- * surface right there. Those that graze a triangle cross it well inside, by more than the bound on a computed height where they
- * can. Rounding may spoil a ray: the exact oracle says whether it is clear at both ends. Sines and powers are
- * libm's, so another libm makes other rays. */
+/* Rays that are aimed at places that rounding can miss, and that pass through the surface by construction: they are
+ * clearly above all samples and later clearly below all of them while over the field, or the reverse; those that start
+ * near, above and below the surface right there. Those that graze a triangle cross it well inside, by more than the
+ * bound on a computed height where they can. Rounding may spoil a ray: the exact oracle says whether it is clear at
+ * both ends. Sines and powers are libm's, so another libm makes other rays. */
 #ifndef CELLWALK_TESTS_STABILITY_AIMED_H
 #define CELLWALK_TESTS_STABILITY_AIMED_H
 
@@ -27,13 +27,13 @@ typedef enum aim {
 
 /* Where a ray starts. */
 typedef enum aim_start {
-    START_OVER, /* over the field */
-    START_AFAR, /* from twice the field's longer side to 10^7 times that before the place; vertical rays to 10^12 times, or of ten times the field's range of
-                   heights if that is less. Floats
-                   cannot aim well from there: but for those in whole steps, most rays pass by the place, and hit elsewhere */
-    START_NEAR, /* at most two cells before the place, along the ground */
-    START_BEHIND, /* over the field, at exactly the height of its lowest or highest sample, with a range that begins far behind, at a
-                     power of 2 or at minus infinity */
+    START_OVER,   /* over the field */
+    START_AFAR,   /* from twice the field's longer side to 10^7 times that before the place; vertical rays to 10^12
+                   times, or of ten times the field's range of heights if that is less. Floats cannot aim well from
+                   there: but for those in whole steps, most rays pass by the place, and hit elsewhere */
+    START_NEAR,   /* at most two cells before the place, along the ground */
+    START_BEHIND, /* over the field, at exactly the height of its lowest or highest sample, with a range that begins
+                     far behind, at a power of 2 or at minus infinity */
     START_COUNT
 } aim_start;
 
@@ -44,8 +44,8 @@ typedef struct aimed_field {
     const cw_field *field;
     size_t nx, ny;
     double low, high;
-    bool
-        bounded; /* rays begin and end where they have just become clear of all samples; else many go on, far above or below */
+    /* Rays begin and end where they have just become clear of all samples; else many go on, far above or below. */
+    bool bounded;
 } aimed_field;
 
 /* Of a field in cells, at least 4 samples a side and without holes, which must stay. */

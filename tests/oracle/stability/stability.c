@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cellwalk_stability MILLIONS [FILE]: aimed rays, the same ones for every kernel and, with a file, for Embree, judged with the exact
- * oracle, on one thread. Counts go to FILE as JSON lines: one of kind "run", and one of kind "result" for each contender and class.
- * The test runs it without a file: no leak, no phantom, the same bits, and rays that do pass. CELLWALK_TEST_DIVIDE = n takes
- * an nth of the rays. */
+/* cellwalk_stability MILLIONS [FILE]: aimed rays, the same ones for every kernel and, with a file, for Embree, judged
+ * with the exact oracle, on one thread. Counts go to FILE as JSON lines: one of kind "run", and one of kind "result"
+ * for each contender and class. The test runs it without a file: no leak, no phantom, the same bits, and rays that do
+ * pass. CELLWALK_TEST_DIVIDE = n takes an nth of the rays. */
 
 #include "harness/harness_run.h"
 #include "harness/results.h"
@@ -66,7 +66,7 @@ static tested contenders[CONTENDERS_MAX];
 static unsigned contender_count, others, sample; /* others: every; sample: one ray in so many is judged in full */
 static size_t faults;
 
-/* ---- fields and contenders ------------------------------------------------------------------------------------------ */
+/* ---- fields and contenders --------------------------------------------------------------------------------------- */
 
 /* From smooth land to whole numbers and cliffs, planes that hardly rise and heights that are denormal. */
 static bool make_place(size_t n) {
@@ -107,8 +107,8 @@ static bool add_kernels(void) {
             const cw_run run = {.expert = {.kernel = kernel, .leaf = (cw_leaf)leaf}};
             const cw_kernel_info info = cw_kernel_describe(kernel);
             const bool watertight = leaf == CW_LEAF_WATERTIGHT, walks = info.default_leaf == CW_LEAF_WATERTIGHT;
-            /* Brute force tests each triangle as grid3d does, and takes thousands of times as long on these fields. Kernels with the
-             * cell walk differ in no bit (lanes.c): one of them speaks for Möller-Trumbore. */
+            /* Brute force tests each triangle as grid3d does, and takes thousands of times as long on these fields.
+             * Kernels with the cell walk differ in no bit (lanes.c): one of them speaks for Möller-Trumbore. */
             if (strcmp(info.name, "brute") == 0 || cw_run_check(NULL, &run) != CW_OK ||
                 (walks && !watertight && !first))
                 continue;
@@ -268,7 +268,7 @@ static void run_batch(uint64_t number) {
     }
 }
 
-/* ---- what was found ------------------------------------------------------------------------------------------------ */
+/* ---- what was found ---------------------------------------------------------------------------------------------- */
 
 /* Prints sums; false if too few rays pass, a kernel took no part or misses do not count, so that they mean little. */
 static bool print_sums(size_t batches) {
