@@ -35,7 +35,7 @@ class Judge:
     def __init__(self, z, eyes, fall, targets):
         self.z, self.fall, self.targets = z, fall, np.array(targets, float).reshape(-1, 4)
         self.eyes = np.broadcast_to(np.asarray(eyes, float), (len(self.targets), 3))
-        self.highest, (ny, nx) = np.full(len(self.targets), -1), z.shape
+        self.highest, (ny, nx), self.met = np.full(len(self.targets), -1), z.shape, []
         open = [self.look(kind, lines) for kind, lines in enumerate((np.arange(nx), np.arange(ny), np.arange(1 - ny, nx)))]
         for kind, (target, n) in enumerate(open):
             left = self.highest[target] < 1
@@ -64,10 +64,29 @@ class Judge:
             step = np.floor(place).astype(int)
             a, b = (self.ground(i, j) - ez - lowered(self.fall, i - ex, j - ey) for i, j in self.ends(kind, n + 0 * step, step))
             off = a + (place - step) * (b - a) - share * (z + above - ez - lowered(self.fall, x - ex, y - ey))
-            open = met & ((np.abs(share - 0.5) > 0.499) | (np.abs(place - np.rint(place)) < 1e-6) | (np.abs(off) < 1e-4))
+            near = np.abs(place - np.rint(place)) < 1e-6
+            self.met.append((np.where(met & (share > 0) & (share < 1), share, 2), off, vague | met & near & (place != np.rint(place))))
+            open = met & ((np.abs(share - 0.5) > 0.499) | near | (np.abs(off) < 1e-4))
             self.highest[(met & ~open & (off > 0)).any(1)] = 1
         target, line = np.nonzero(vague | open)
         return target, n[line]
+
+    def check_places(self, blocks):
+        """Where lines are blocked, in double: at a crossing that is not below the line or, between neighbours, where the surface rises through
+        it, and nothing before stands above it. Without lines that pass samples by a hair. The number of lines."""
+        share, off, hair = (np.concatenate(parts, 1) for parts in zip(*self.met))
+        share, off = (np.take_along_axis(of, np.argsort(share, 1), 1) for of in (share, off))
+        after, lines = (share < blocks[:, None] - 1e-9).sum(1), np.flatnonzero((blocks < np.inf) & ~hair.any(1))
+        for k in lines:
+            n, s = after[k], np.append(share[k], 2)
+            there = off[k, np.abs(share[k] - blocks[k]) < 1e-9]
+            assert not (off[k, :n] > 1e-4).any(), k
+            if len(there):
+                assert np.nanmax(there) > -1e-4, k
+            elif n > 0:
+                at = (blocks[k] - s[n - 1]) / (s[n] - s[n - 1])
+                assert abs((1 - at) * off[k, n - 1] + at * off[k, n]) < 1e-4, k
+        return len(lines)
 
     def decide(self, kind, target, n):
         """The same for one crossing each, exactly."""
@@ -290,10 +309,11 @@ def test_every_sample(lands, row):
 
 
 def test_lines_between_places(lands):
-    counts = np.zeros(3, int)
+    counts, blocked = np.zeros(3, int), 0
     for number in taken(range(40), 4):
         r = np.random.default_rng([13, number])
         z, slope = slope_of_whole_numbers(r, SIDE, SIDE)
+        z[3:3 + r.integers(0, 12), 5:5 + r.integers(0, 12)] = np.nan
         z = lands.land(z).astype(float)
         at = [r.uniform(0, SIDE - 1, (20, 2, 2)), 0.25 * r.integers(0, 4 * SIDE - 4, (20, 2, 2)),
               np.floor(r.uniform(0, SIDE - 1, (20, 2, 2))) + 2.0**-43 * np.array([[0], [1]])]
@@ -301,11 +321,13 @@ def test_lines_between_places(lands):
         at[1::6, :, 1] = at[1::6, :, 0] + [-2.0**-40, 2.0**-40]  # all but along a diagonal
         at = at[(at[:, 0] != at[:, 1]).any(1)]
         ends = np.dstack([at, slope[2] + at @ slope[:2]])
-        highest = Judge(z, ends[:, 0], np.zeros(3), np.column_stack([ends[:, 1], np.zeros(len(ends))])).highest
+        judge = Judge(z, ends[:, 0], np.zeros(3), np.column_stack([ends[:, 1], np.zeros(len(ends))]))
+        highest = judge.highest
         blocks = lands.table("sights", np.column_stack([ends[:, 0], np.zeros(len(ends)), ends[:, 1], np.zeros(len(ends))]))[:, 0]
         assert ((blocks < np.inf) == (highest >= 0)).all()
+        blocked += judge.check_places(blocks)
         counts += np.bincount(highest + 1, minlength=3)
-    assert (counts * min(DIVISOR * SLOW, 4) > 40).all(), counts
+    assert (np.append(counts, blocked) * min(DIVISOR * SLOW, 4) > 40).all(), (counts, blocked)
 
 
 # ---- closed forms ---------------------------------------------------------------------------------------------------------------

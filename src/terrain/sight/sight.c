@@ -301,6 +301,7 @@ static bool look_for_obstacle(void *context, const crossing *c) {
     return false;
 }
 
+/* Where there is no surface, the gap is NaN. */
 static bool look_before(void *context, const crossing *c) {
     obstacle *o = context;
     if (c->share < o->first && c->share > o->before) {
@@ -311,13 +312,14 @@ static bool look_before(void *context, const crossing *c) {
 }
 
 double cw_sight_first_block(const sight *s, double i, double j, double z) {
-    const way w = way_to(s, rounded_place(i), rounded_place(j), without_dust(z), 0);
+    way w = way_to(s, rounded_place(i), rounded_place(j), without_dust(z), 0);
     obstacle o = {.first = INFINITY};
     if (w.length == 0) return INFINITY;
     look_between(&w, 0, 1, look_for_obstacle, &o);
     if (o.first == INFINITY) return INFINITY;
     o.gap = cw_terrain_height(s->terrain, s->eye[0], s->eye[1]) / s->terrain->map[2][2] - s->eye[2];
+    w.gaps = true;
     look_between(&w, 0, 1, look_before, &o);
-    /* Between the two the surface is plane, if it is there. */
+    /* Between the two the surface is plane, if the crossing before has one. */
     return o.gap < 0 ? o.before + (o.first - o.before) * (o.gap / (o.gap - o.over)) : o.first;
 }

@@ -25,6 +25,7 @@ typedef struct way {
     double across;                 /* how much x - y grows from the target to the eye */
     double slack;                  /* computed places are within so many cells of the true ones */
     double rough; /* the bound on the error of a height over the line, without the part of the edge's own heights */
+    bool gaps;    /* crossings where there is no surface are seen, too */
 } way;
 
 /* Computed shares of the way are within this of the true ones. */
@@ -121,7 +122,7 @@ static inline bool way_see(const way *w, int kind, double n, double share, doubl
     if (!(share > 0 && share < 1 + way_share_error)) return false;
     crossing c = {.way = w, .kind = kind, .n = n, .other = other, .share = 1 - share};
     way_height(&c);
-    return isfinite(c.height) && look(context, &c);
+    return (isfinite(c.height) || w->gaps) && look(context, &c);
 }
 
 /* The crossings between two shares, a <= b, both included, and some that are within rounding of them, so that none
