@@ -55,7 +55,7 @@ enum {
 CW_API const char *cw_leaf_name(cw_leaf leaf);
 
 /* A kernel is one way to find hits. Kernels live as long as the program. cell, packet* and pyramid* return the same
- * bits for the same leaf test. A program may add reference kernels, which are in no library: brute and grid3d use other
+ * bits for the same leaf test. A program may add reference kernels, in no installed library: brute and grid3d use other
  * operations and may differ in last bits and near edges. */
 typedef struct cw_kernel cw_kernel;
 

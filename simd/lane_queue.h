@@ -4,6 +4,7 @@
 #ifndef CELLWALK_SIMD_LANE_QUEUE_H
 #define CELLWALK_SIMD_LANE_QUEUE_H
 
+#include "../src/scalar/strict.h"
 #include "field.h"
 #include "vocabulary.h"
 
@@ -11,9 +12,6 @@
 
 /* Lanes of the lane walk: two registers. One lane wide, a second one would only take longer. */
 enum { SLOTS = W > 1 ? 2 * W : W };
-
-/* A cache line, so that no vector lies across two. */
-enum { ALIGNMENT = 64 };
 
 /* Numbers of a ray. */
 enum {
@@ -36,15 +34,15 @@ enum {
 };
 enum { RAY_TURNED_X, RAY_TURNED_Y, RAY_INTS };
 
-/* A vector of rays made ready. */
+/* A vector of rays made ready. Aligned as a cache line, so that no vector lies across two. */
 typedef struct ready_rays {
-    alignas(ALIGNMENT) float f[RAY_FLOATS][W];
+    alignas(64) float f[RAY_FLOATS][W];
     int32_t i[RAY_INTS][W];
 } ready_rays;
 
 /* Those in the lanes. */
 typedef struct lane_rays {
-    alignas(ALIGNMENT) float f[RAY_FLOATS][SLOTS];
+    alignas(64) float f[RAY_FLOATS][SLOTS];
     int32_t i[RAY_INTS][SLOTS];
 } lane_rays;
 
@@ -79,13 +77,13 @@ typedef struct lane_answers {
     uint8_t *occluded; /* of any-hit queries; one of the two is NULL */
     size_t found;
     uint32_t number[W];
-    alignas(ALIGNMENT) float find[FOUND_NUMBERS][W];
+    alignas(64) float find[FOUND_NUMBERS][W];
 } lane_answers;
 
 /* The lanes, as they are between two runs of steps. */
 typedef struct lane_set {
     lane_rays rays;
-    alignas(ALIGNMENT) float t[SLOTS], leave[SLOTS];
+    alignas(64) float t[SLOTS], leave[SLOTS];
     int32_t x[SLOTS], y[SLOTS], level[SLOTS];
     uint32_t ray[SLOTS]; /* number of its hit */
     int32_t born[SLOTS]; /* the clock when it came */
@@ -98,7 +96,11 @@ typedef struct lane_set {
 void CW_CODE(lane_write)(lane_answers *a, const cw_field *f);
 /* lane_walk in vectors of two registers (lane_pairs_kernel.c). */
 void CW_CODE(lane_pairs)(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers);
-/* Walks a ray from t on to its end (one_kernel.c). True if it hits: then find is set. */
-bool CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, float find[FOUND_NUMBERS]);
+/* A cell's row in the upper 32 bits, its column in the lower; or none. One number: of two, GCC makes two stores and one
+ * load, which waits for both. */
+typedef int64_t one_cell;
+enum { NO_CELL = -1 };
+/* Walks a ray from t on to its end (one_kernel.c). If it hits, find is set. */
+one_cell CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, strict_find *find);
 
 #endif

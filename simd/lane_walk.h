@@ -66,12 +66,15 @@ CW_ONE_COPY void CW_CODE(lane_write)(lane_answers *a, const cw_field *f) {
 }
 #endif
 
-/* Adds a ray's find. */
-CW_INLINE void one_found(lane_answers *a, const cw_field *f, uint32_t ray, const float find[FOUND_NUMBERS]) {
+/* Adds a ray's find, in cell (i, j). */
+CW_INLINE void one_found(lane_answers *a, const cw_field *f, uint32_t ray, float t0, float t1, bool b, int32_t i,
+                         int32_t j) {
     if (a->occluded) {
         a->occluded[ray] = 1;
         return;
     }
+    const float *row = f->z + (size_t)j * f->stride + (size_t)i, *corner = b ? row + f->stride : row + 1;
+    const float find[FOUND_NUMBERS] = {t0, t1, (float)i, (float)j, row[0], *corner, row[f->stride + 1], b};
     for (int k = 0; k < FOUND_NUMBERS; k++) a->find[k][a->found] = find[k];
     a->number[a->found++] = ray;
     if (a->found == W) CW_CODE(lane_write)(a, f);
@@ -81,12 +84,8 @@ CW_INLINE void one_found(lane_answers *a, const cw_field *f, uint32_t ray, const
 CW_INLINE void lanes_found(lane_answers *a, const cw_field *f, const lane_set *l, unsigned found, unsigned in_b) {
     for (; found != 0; found &= found - 1) {
         const unsigned k = (unsigned)__builtin_ctz(found);
-        const bool b = in_b >> k & 1;
-        const int32_t i = l->x[k] ^ l->rays.i[RAY_TURNED_X][k], j = l->y[k] ^ l->rays.i[RAY_TURNED_Y][k];
-        const float *row = f->z + (size_t)j * f->stride + (size_t)i, *corner = b ? row + f->stride : row + 1;
-        const float find[FOUND_NUMBERS] = {l->t[k], l->leave[k], (float)i,           (float)j,
-                                           row[0],  *corner,     row[f->stride + 1], b};
-        one_found(a, f, l->ray[k], find);
+        one_found(a, f, l->ray[k], l->t[k], l->leave[k], in_b >> k & 1, l->x[k] ^ l->rays.i[RAY_TURNED_X][k],
+                  l->y[k] ^ l->rays.i[RAY_TURNED_Y][k]);
     }
 }
 
@@ -208,21 +207,6 @@ CW_INLINE vmask lane_leaf(lane_state *s, lane_rays *rays, const cw_field *f, con
     return found;
 }
 
-/* The height of the rays above the planes of their nodes, as origin + t rate; slopes are mirrored. */
-typedef struct lane_plane {
-    vfloat origin, rate;
-} lane_plane;
-
-CW_INLINE lane_plane above_plane(const lane_rays *rays, const lane_axis axis[2], const vfloat slope[2],
-                                 vfloat half_side) {
-    const vfloat x = vf_sub(axis[0].org, vf_add(axis[0].corner, half_side)); /* from the node's middle */
-    const vfloat y = vf_sub(axis[1].org, vf_add(axis[1].corner, half_side));
-    return (lane_plane){
-        vf_sub(vf_sub(vf_load(rays->f[RAY_OZ]), vf_mul(slope[0], x)), vf_mul(slope[1], y)),
-        vf_sub(vf_sub(vf_load(rays->f[RAY_DZ]), vf_mul(slope[0], axis[0].dir)), vf_mul(slope[1], axis[1].dir)),
-    };
-}
-
 /* Number along the axis, of 0 to 3, of the child in which the ray is at t, or of an earlier one. */
 CW_INLINE vint child_at(float f[RAY_AXIS][SLOTS], const lane_axis *a, vfloat t, vfloat inverse_side) {
     const vfloat last = vf_sub(vf_load(f[RAY_LAST]), vf_set(0.5f));
@@ -246,9 +230,14 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, 
     const vfloat pad = vf_load(rays->f[RAY_PAD]), low = vf_sub(slab[0], pad), high = vf_add(slab[1], pad);
     const vfloat slope[2] = {vf_flip(slab[2], vf_load(rays->f[RAY_SIGN])),
                              vf_flip(slab[3], vf_load(rays->f[RAY_AXIS + RAY_SIGN]))};
-    const lane_plane above = above_plane(rays, axis, slope, vf_mul(side, vf_set(0.5f)));
+    /* The height above the plane is origin + t rate; slopes are mirrored, and places are from the node's middle. */
+    const vfloat half = vf_mul(side, vf_set(0.5f)), place_x = vf_sub(axis[0].org, vf_add(axis[0].corner, half)),
+                 place_y = vf_sub(axis[1].org, vf_add(axis[1].corner, half)), oz = vf_load(rays->f[RAY_OZ]);
+    const vfloat origin = vf_sub(vf_sub(oz, vf_mul(slope[0], place_x)), vf_mul(slope[1], place_y)),
+                 rise = vf_sub(vf_load(rays->f[RAY_DZ]), vf_mul(slope[0], axis[0].dir)),
+                 rate = vf_sub(rise, vf_mul(slope[1], axis[1].dir));
     const vfloat t = s->t, t1 = vf_min(out, vf_load(rays->f[RAY_UNTIL]));
-    const vfloat d0 = vf_add(vf_mul(t, above.rate), above.origin), d1 = vf_add(vf_mul(t1, above.rate), above.origin);
+    const vfloat d0 = vf_add(vf_mul(t, rate), origin), d1 = vf_add(vf_mul(t1, rate), origin);
     const vmask misses = vm_or(vf_gt(vf_min(d0, d1), high), vf_lt(vf_max(d0, d1), low));
     const vmask wanted = vf_le(t, s->leave);
     s->leave = vf_select(wanted, s->leave, vf_set(INFINITY));
@@ -256,7 +245,7 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, 
     if (!vm_any(enters)) return enters;
     /* Cut off the parts before and after the slab: t where the ray enters it and leaves it again. If the rate is
      * NaN, so are both products, and the comparisons select t and infinity. */
-    const vfloat zero = vf_set(0), per = vf_div(vf_set(1), vf_max(vf_set(FLT_MIN), vf_abs(above.rate)));
+    const vfloat zero = vf_set(0), per = vf_div(vf_set(1), vf_max(vf_set(FLT_MIN), vf_abs(rate)));
     const vfloat before = vf_max(zero, vf_max(vf_sub(d0, high), vf_sub(low, d0)));
     const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
     const vfloat start = vf_min(vf_max(vf_add(vf_mul(before, per), t), t), t1);
@@ -333,9 +322,10 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, lane_answers *
     l->living &= ~late;
     for (; late != 0; late &= late - 1) {
         const size_t lane = (size_t)__builtin_ctz(late);
-        float find[FOUND_NUMBERS];
-        if (CW_CODE(one_late)(f, &answers->rays[l->ray[lane]], l->t[lane], find))
-            one_found(answers, f, l->ray[lane], find);
+        strict_find at;
+        const one_cell cell = CW_CODE(one_late)(f, &answers->rays[l->ray[lane]], l->t[lane], &at);
+        if (cell != NO_CELL)
+            one_found(answers, f, l->ray[lane], at.t0, at.t1, at.b, (int32_t)(uint32_t)cell, (int32_t)(cell >> 32));
     }
 }
 

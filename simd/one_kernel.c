@@ -27,16 +27,10 @@
 #include "vector_watertight.h"
 
 #include <float.h>
-#include <string.h>
 
 /* See falls_soon. Rays that begin at most LOW_HEIGHT above or below a sample of their cell begin their walk at its
  * block. After OPENS nodes slabs judge nodes too. All three were measured. */
 enum { SOON_CELLS = 8, LOW_HEIGHT = 8, OPENS = 48 };
-
-/* A cell's row in the upper 32 bits, its column in the lower; or none. One number: of two, GCC makes two stores and one
- * load, which waits for both. */
-typedef int64_t one_cell;
-enum { NO_CELL = -1 };
 
 /* With 16 lanes one instruction puts a node's bounds in walk order. With fewer, the mask is put in walk order. */
 enum { ORDERED = W == CHILDREN };
@@ -284,18 +278,10 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
     }
 }
 
-bool CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, float find[FOUND_NUMBERS]) {
+one_cell CW_CODE(one_late)(const cw_field *f, const cw_ray *ray, float t, strict_find *find) {
     one_ray one;
-    strict_find at;
-    if (!init_one_ray(&one, f, ray)) return false;
+    if (!init_one_ray(&one, f, ray)) return NO_CELL;
     one.from = max_second(t, one.from);
-    const one_cell cell = walk_one(f, &one, NULL, one.up, OPENS, &at, one.org, one.dir, one.center, one.inverse, one.t0,
-                                   one.t1, one.from);
-    if (cell == NO_CELL) return false;
-    const size_t i = (uint32_t)cell, j = (uint32_t)(cell >> 32);
-    const float *row = f->z + j * f->stride + i, *corner = at.b ? row + f->stride : row + 1;
-    const float numbers[FOUND_NUMBERS] = {at.t0,  at.t1,   (float)i,           (float)j,
-                                          row[0], *corner, row[f->stride + 1], at.b ? 1 : 0};
-    memcpy(find, numbers, sizeof numbers);
-    return true;
+    return walk_one(f, &one, NULL, one.up, OPENS, find, one.org, one.dir, one.center, one.inverse, one.t0, one.t1,
+                    one.from);
 }

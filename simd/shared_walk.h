@@ -137,21 +137,16 @@ static __attribute__((noinline)) bool block_hits(tile_walk *w, ray_set rays, int
 static inline void shared_walk(tile_walk *w, bool any) {
     const struct cw_pyramid *p = w->f->pyramid;
     const fat_ray *a = &w->fat;
-    struct {
-        unsigned mask;
-        int32_t x, y;
-    } todo[PYRAMID_LEVELS_MAX];
     const int top = p->levels - 1;
     int level = top;
     int32_t x = 0, y = 0;
-    unsigned mask = fat_open(a, &p->level[top], 0, 0);
+    unsigned mask = fat_open(a, &p->level[top], 0, 0), todo[PYRAMID_LEVELS_MAX];
     while (w->rays != 0) {
         while (mask == 0) {
             if (level == top) return;
-            level++;
-            mask = todo[level].mask;
-            x = todo[level].x;
-            y = todo[level].y;
+            mask = todo[++level];
+            x >>= 2;
+            y >>= 2;
         }
         const int32_t place = nearest(mask, a->q), child = place ^ turn(a->q);
         mask ^= 1u << place;
@@ -166,10 +161,7 @@ static inline void shared_walk(tile_walk *w, bool any) {
             fall_apart(w, w->rays, level, cx, cy);
             continue;
         }
-        todo[level].mask = mask;
-        todo[level].x = x;
-        todo[level].y = y;
-        level--;
+        todo[level--] = mask;
         x = cx;
         y = cy;
         mask = inner;

@@ -39,8 +39,8 @@ static inline void affine_point_back(const double inverse[3][4], const double p[
     affine_vector(inverse, from, out);
 }
 
-/* The inverse of the linear part, with m's own translation beside it. False if m is not finite or singular: with rows
- * scaled to unit size, so that neither kilometres nor nanometres count as singular, the determinant is at most what
+/* The inverse of the linear part, with m's own translation beside it. False if one is not finite or m is singular: with
+ * rows scaled to unit size, so that neither kilometres nor nanometres count as singular, the determinant is at most what
  * rounding makes of its terms: 8 roundings by 2^-53 each, of three entries, two products, a difference and two sums. */
 static inline bool affine_invert(const double m[3][4], double out[3][4]) {
     double scale[3], a[3][3];

@@ -99,7 +99,8 @@ static inline door_pass door_enter(const door *d) {
 bool cw_door_make(door *d);
 void cw_door_destroy(door *d);
 
-/* Shuts it for an update. Without wait, false if a query or update runs; else only in a child whose parent shut it. */
+/* Shuts it for an update. Without wait, false if a query or update runs; else only in a child: shut by its parent, or
+ * out of memory. */
 bool cw_door_close(door *d, bool wait);
 void cw_door_open(door *d, bool waited);
 

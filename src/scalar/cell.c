@@ -42,21 +42,21 @@ static inline bool mt_find(const strict_ray *r, const strict_cell *c, strict_fin
 
 typedef enum walk_end { WALK_MISSES, WALK_FINDS, WALK_GOES_ON } walk_end;
 
-/* From cell (i, j) on, at most so many cells, 0 for all; (*i, *j) is then the next one. c is the cell of a find. */
-static inline __attribute__((always_inline)) walk_end walk_cells(const cw_field *f, const strict_ray *r, size_t *i,
-                                                                 size_t *j, int most, cw_leaf leaf, strict_cell *c,
-                                                                 strict_find *find) {
+/* From the first cell on, at most so many cells, 0 for all. c is the cell of a find. */
+static inline __attribute__((always_inline)) walk_end walk_cells(const cw_field *f, const strict_ray *r, int most,
+                                                                 cw_leaf leaf, strict_cell *c, strict_find *find) {
+    size_t i = first_cell(&r->x, r->from, f->nx - 1), j = first_cell(&r->y, r->from, f->ny - 1);
     for (int k = 0; most == 0 || k < most; k += most != 0) { /* at most nx + ny turns: none goes back on an axis */
-        if (strict_gate(c, r, f, *i, *j) && (leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, find) : mt_find(r, c, find)))
+        if (strict_gate(c, r, f, i, j) && (leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, find) : mt_find(r, c, find)))
             return WALK_FINDS;
         const bool in_x = c->x_out <= c->y_out;
         if ((in_x ? c->x_out : c->y_out) > r->until) return WALK_MISSES;
         if (in_x) {
-            *i += (size_t)(ptrdiff_t)r->x.step; /* below 0 it wraps, beyond every field */
-            if (*i >= f->nx - 1) return WALK_MISSES;
+            i += (size_t)(ptrdiff_t)r->x.step; /* below 0 it wraps, beyond every field */
+            if (i >= f->nx - 1) return WALK_MISSES;
         } else {
-            *j += (size_t)(ptrdiff_t)r->y.step;
-            if (*j >= f->ny - 1) return WALK_MISSES;
+            j += (size_t)(ptrdiff_t)r->y.step;
+            if (j >= f->ny - 1) return WALK_MISSES;
         }
     }
     return WALK_GOES_ON;
@@ -72,10 +72,7 @@ static inline __attribute__((always_inline)) bool trace_cells(const cw_field *f,
         strict_cell c;
         strict_find find;
         walk_end end = WALK_MISSES;
-        if (strict_ray_init(&r, f, &rays[k], leaf)) {
-            size_t i = first_cell(&r.x, r.from, f->nx - 1), j = first_cell(&r.y, r.from, f->ny - 1);
-            end = walk_cells(f, &r, &i, &j, most, leaf, &c, &find);
-        }
+        if (strict_ray_init(&r, f, &rays[k], leaf)) end = walk_cells(f, &r, most, leaf, &c, &find);
         if (end == WALK_GOES_ON) return false;
         if (hits == NULL)
             occluded[k] = end == WALK_FINDS;

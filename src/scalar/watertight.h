@@ -19,11 +19,6 @@
 
 #include "strict.h"
 
-/* The cell's samples. All heights in this file are relative to the ray's origin. */
-typedef struct wt_heights {
-    float h00, h10, h01, h11;
-} wt_heights;
-
 /* Surface height at fraction f of the way from sample a to sample b, between the two; NaN if either is. */
 static inline float wt_edge(float a, float b, float f) {
     const float z = a + f * (b - a);
@@ -36,10 +31,11 @@ static inline float wt_within(float from, float dir, float t) {
     return max_second(0, min_second(1, x));
 }
 
-/* Common to the tests at a cell's edges: the ray's origin relative to the cell's sample (i, j), and the heights. */
+/* Common to the tests at a cell's edges: the ray's origin relative to the cell's sample (i, j), and the cell's samples.
+ * All heights in this file are relative to the origin's. */
 typedef struct wt_ray {
     float x, y, dx, dy, dz;
-    wt_heights h;
+    float h00, h10, h01, h11;
 } wt_ray;
 
 /* The ray's height above the surface (positive: above) at t on the border by which it enters or leaves. */
@@ -47,39 +43,34 @@ static inline float wt_border(const wt_ray *r, float t, bool x_border, bool high
     float a, b, f;
     if (x_border) {
         f = wt_within(r->y, r->dy, t);
-        a = high_side ? r->h.h10 : r->h.h00;
-        b = high_side ? r->h.h11 : r->h.h01;
+        a = high_side ? r->h10 : r->h00;
+        b = high_side ? r->h11 : r->h01;
     } else {
         f = wt_within(r->x, r->dx, t);
-        a = high_side ? r->h.h01 : r->h.h00;
-        b = high_side ? r->h.h11 : r->h.h10;
+        a = high_side ? r->h01 : r->h00;
+        b = high_side ? r->h11 : r->h10;
     }
     return t * r->dz - wt_edge(a, b, f);
 }
 
 /* The same at a t inside the cell, where the ray's range starts or ends: above the plane of the triangle there. */
 static inline float wt_inside(const wt_ray *r, float t, bool *in_b) {
-    const wt_heights *h = &r->h;
     const float x = wt_within(r->x, r->dx, t), y = wt_within(r->y, r->dy, t);
     *in_b = y > x;
     /* Along the longer leg first, then across: both are edges of the triangle that the place falls into. */
-    const float corner = *in_b ? h->h01 : h->h10;
+    const float corner = *in_b ? r->h01 : r->h10;
     const float longer = max_second(x, y), shorter = min_second(x, y);
-    const float z = (h->h00 + longer * (corner - h->h00)) + shorter * (h->h11 - corner);
-    const float low = min_second(h->h00, min_second(corner, h->h11));
-    const float high = max_second(h->h00, max_second(corner, h->h11));
+    const float z = (r->h00 + longer * (corner - r->h00)) + shorter * (r->h11 - corner);
+    const float low = min_second(r->h00, min_second(corner, r->h11));
+    const float high = max_second(r->h00, max_second(corner, r->h11));
     return t * r->dz - max_second(low, min_second(high, z));
 }
 
 static inline bool wt_between(float da, float db) { return (da >= 0 && db <= 0) || (da <= 0 && db >= 0); }
 
 static inline bool wt_cell(const strict_ray *ray, const strict_cell *c, strict_find *find) {
-    const wt_ray r = {ray->x.org - (float)c->i,
-                      ray->y.org - (float)c->j,
-                      ray->x.dir,
-                      ray->y.dir,
-                      ray->dz,
-                      {c->h00 - ray->oz, c->h10 - ray->oz, c->h01 - ray->oz, c->h11 - ray->oz}};
+    const float x = ray->x.org - (float)c->i, y = ray->y.org - (float)c->j, oz = ray->oz;
+    const wt_ray r = {x, y, ray->x.dir, ray->y.dir, ray->dz, c->h00 - oz, c->h10 - oz, c->h01 - oz, c->h11 - oz};
     const bool up_x = ray->x.step > 0, up_y = ray->y.step > 0;
     /* By which border: the staircase goes through the x border where both are crossed at once, so a cell entered at
      * such a corner is entered in y. Triangle B lies at the low x and the high y border. */
@@ -95,7 +86,7 @@ static inline bool wt_cell(const strict_ray *ray, const strict_cell *c, strict_f
     /* The diagonal, where x = y in the cell. A ray along it takes any t: the first comparison yields t1 for NaN. A
      * quotient, as the reciprocal of a difference of small directions need not be a float. */
     const float td = max_second(c->t0, min_second((r.y - r.x) / (r.dx - r.dy), c->t1));
-    const float dd = td * r.dz - wt_edge(r.h.h00, r.h.h11, wt_within(r.x, r.dx, td));
+    const float dd = td * r.dz - wt_edge(r.h00, r.h11, wt_within(r.x, r.dx, td));
     if (wt_between(da, dd)) {
         find->t1 = td;
         return true;

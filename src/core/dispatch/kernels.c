@@ -7,26 +7,24 @@
 #include <string.h>
 
 /* For few rays. Of 16 lanes half would be empty, and they take more of the stack. */
-#define FEW_4  {cw_short4, cw_short4}, &cw_pyramid4
-#define FEW_8  {cw_short4, cw_short8}, &cw_pyramid8
-#define FEW_16 {cw_short4, cw_short8}, &cw_pyramid8
-#define NONE                                                                                                           \
-    NULL, { NULL, NULL }
+#define FEW_4  .if_short = {cw_short4, cw_short4}, .few = &cw_pyramid4
+#define FEW_8  .if_short = {cw_short4, cw_short8}, .few = &cw_pyramid8
+#define FEW_16 FEW_8
 
 /* From the plainest to the fastest: the last one available is the default. */
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, cw_to_field1, NONE, NULL, NULL},
+    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, .to_field = cw_to_field1},
 #define KERNEL(set, lanes) \
-    {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, cw_to_field##lanes, \
-     NONE, NULL, NULL},
+    {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, \
+     .to_field = cw_to_field##lanes},
     CELLWALK_KERNELS /* KERNEL(set, lanes) for each row of simd/isas.cmake but the scalar one */
 #undef KERNEL
     {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, cw_to_field1, cw_one1,
-     {NULL, NULL}, &cw_pyramid1, NULL},
+     .few = &cw_pyramid1},
 #define KERNEL(set, lanes) \
     {"pyramid" #lanes, "bounds pyramid, " #lanes " lanes, single rays in pairs of " #lanes, \
-     CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, cw_to_field##lanes, cw_one##lanes, FEW_##lanes, NULL},
+     CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, cw_to_field##lanes, cw_one##lanes, FEW_##lanes},
     CELLWALK_KERNELS
 #undef KERNEL
 };

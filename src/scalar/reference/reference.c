@@ -180,7 +180,6 @@ typedef struct grid_walk {
     int voxel[3], step[3], end[3];
     float next[3]; /* t of the next crossing on each axis */
     float org[3], inverse[3];
-    float tmin, tmax;
 } grid_walk;
 
 static float crossing(const struct cw_grid3d *g, const grid_walk *w, int axis) {
@@ -193,8 +192,6 @@ static float crossing(const struct cw_grid3d *g, const grid_walk *w, int axis) {
 /* Slab test with the box padded by the rounding error at its faces (Ize 2013: 2 ulp of the far t). */
 static bool enter_grid(const struct cw_grid3d *g, const ray_start *ray, grid_walk *w) {
     float t0 = ray->tmin, t1 = ray->tmax;
-    w->tmin = t0;
-    w->tmax = t1;
     for (int a = 0; a < 3; a++) {
         const float inverse = 1 / ray->dir[a];
         w->org[a] = ray->org[a];
@@ -223,7 +220,7 @@ static bool enter_grid(const struct cw_grid3d *g, const ray_start *ray, grid_wal
 static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const ray_start *ray, const grid_walk *w,
                        cw_hit *best) {
     const size_t v = voxel_number(g, w->voxel);
-    const mt_range range = {w->tmin, w->tmax, -INFINITY, INFINITY};
+    const mt_range range = {ray->tmin, ray->tmax, -INFINITY, INFINITY};
     bool found = false;
     for (uint32_t k = g->begin[v]; k < g->begin[v + 1]; k++) {
         const size_t number = g->entry[k] >> TRIANGLE_BITS, i = number % f->nx, j = number / f->nx;
@@ -257,7 +254,7 @@ static inline bool walk(const cw_field *f, const ray_start *ray, bool any, cw_hi
         }
         /* A hit beyond this voxel waits: a voxel in between may hold a nearer one. */
         if (found && hit->t <= w.next[axis]) return true;
-        if (w.next[axis] > w.tmax) return found;
+        if (w.next[axis] > ray->tmax) return found;
         w.voxel[axis] += w.step[axis];
         if (w.voxel[axis] == w.end[axis]) return found;
         w.next[axis] = crossing(g, &w, axis);
@@ -281,13 +278,9 @@ static void trace_all_grid3d(const cw_field *f, const cw_ray *rays, size_t n, cw
 static const cw_kernel_code brute = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trace_all_brute}};
 static const cw_kernel_code grid3d = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trace_all_grid3d}};
 
-/* clang-format off */
 static const cw_kernel kernels[] = {
-    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, &brute, cw_to_field1,
-     NULL, {NULL, NULL}, NULL, NULL},
-    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, &grid3d, cw_to_field1,
-     NULL, {NULL, NULL}, NULL, build_grid3d},
+    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, &brute, .to_field = cw_to_field1},
+    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, &grid3d, cw_to_field1, .build = build_grid3d},
 };
-/* clang-format on */
 
 void cw_reference_add(void) { cw_kernels_add(kernels, sizeof kernels / sizeof kernels[0]); }

@@ -113,6 +113,6 @@ sun_day cw_sun_day(const sight *s, const sun_day_desc *d, double share, double m
         out.set = begin + (double)(k + 1) * d->step;
     }
     out.diffuse = suns ? NAN : share * diffuse;
-    out.free_diffuse = suns ? NAN : 0.5 * (1 + cos(d->tilt * degree)) * diffuse;
+    out.free_diffuse = suns ? NAN : 0.5 * (1 + up) * diffuse;
     return out;
 }

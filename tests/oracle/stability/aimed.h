@@ -31,7 +31,7 @@ typedef enum aim_start {
     START_AFAR,   /* from twice the field's longer side to 10^7 times that before the place; vertical rays to 10^12
                    times, or of ten times the field's range of heights if that is less. Floats cannot aim well from
                    there: but for those in whole steps, most rays pass by the place, and hit elsewhere */
-    START_NEAR,   /* at most two cells before the place, along the ground */
+    START_NEAR,   /* at most two cells before the place along x and along y */
     START_BEHIND, /* over the field, at exactly the height of its lowest or highest sample, with a range that begins
                      far behind, at a power of 2 or at minus infinity */
     START_COUNT
