@@ -238,6 +238,19 @@ def behind_a_joined_piece(n, r):
     return land(height, 43, 259), MAPS[0][0], dict(place=(9.75, 0), height=0)
 
 
+def towers_at_an_end(n, r):
+    """Level strips with towers along one side: the last of a row's bins, of a sample or three, is often hidden, and the bin beyond the row's end is
+    not. In the first a tower of 1 m behind one of 32 m took the place of a higher piece of the skyline."""
+    nx, ny = (21, 600) if n == 0 else (r.integers(5, 35), 600)
+    z = np.where(r.random((ny, nx)) < 1 / r.integers(10, 110), 2.0 ** r.integers(0, 12, (ny, nx)), 0) * (np.arange(nx) > nx - 10)
+    place = np.array([7, 75]) if n == 0 else r.integers(0, [nx, ny])
+    if n == 0:
+        z[:], z[435, 18], z[453, 19], z[474, 18] = 0, 8, 32, 1
+    height = 12 if n == 0 else z[place[1], place[0]] + 2 + 10 * r.integers(3)
+    z, place = (z, place) if n % 2 == 0 else (z.T, place[::-1])
+    return z, MAPS[0][0], dict(place=place, height=height, absolute=1, target=1.5 * (n % 3 == 0))
+
+
 # ---- the rows -----------------------------------------------------------------------------------------------------------------
 
 
@@ -295,7 +308,8 @@ ROWS = {small_land: (576, 48, by_judge, 80, 1500, 0, 1500, 0), large_land: (4, 2
         behind_a_lone_sample: (6, 3, by_judge, 0, 1000, 0, 3, 0), in_a_plane: (60, 8, by_judge, 575, 1000, 1000, 1000, 0),
         last_digits: (30, 4, by_judge, 575, 500, 0, 500, 0), shore: (80, 16, by_judge, 0, 800, 0, 200, 0),
         wide_land: (30, 10, by_lines, 3000, 2000, 0, 2000, 0), large_ties: (16, 16, by_lines, 1500, 0, 0, 500, 0),
-        steps: (25, 24, by_lines, 5000, 500, 0, 500, 500), behind_a_joined_piece: (1, 1, by_lines, 0, 50, 0, 50, 0)}
+        steps: (25, 24, by_lines, 5000, 500, 0, 500, 500), behind_a_joined_piece: (1, 1, by_lines, 0, 50, 0, 50, 0),
+        towers_at_an_end: (100, 50, by_lines, 0, 2000, 0, 2000, 0)}
 
 
 @pytest.mark.parametrize("row", ROWS)

@@ -267,8 +267,10 @@ static void look_at(sweep_part *p, long row, const float *far, size_t begin, siz
     const double r = sweep_distance(p, row);
     const long from = left > BESIDE ? left - BESIDE : 0,
                until = right + BESIDE < p->length ? right + BESIDE : p->length;
+    /* Beyond the row's end there is nothing to see, and no edge comes there. The bin before may have been passed over:
+     * edges from there would be added from the middle on. */
+    if (left >= p->length) return;
     const uint32_t start = start_before(p, begin);
-    if (from >= until) return;
     cw_sweep_heights(p, far, row, from, until, p->far_height);
     if (p->near) {
         /* Before the known ones, and behind them. */
