@@ -40,6 +40,7 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
     s->shift = vd_set(0);
     s->first = s->tmin;
     s->last = s->tmax;
+    vdouble begin = vd_from_vf(s->first), end = vd_from_vf(s->last);
     for (int c = 0; c < 3; c++) {
         s->base[c] = vd_from_vf(s->org[c]);
         to_low[c] = vf_sub(low[c], s->org[c]); /* as if rounded from double */
@@ -73,17 +74,12 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
         step = vf_select(far, step, vf_set(0));
         const vdouble way = vd_from_vf(step);
         s->shift = vd_add(s->shift, way);
+        begin = vd_sub(begin, way);
+        end = vd_sub(end, way);
         for (int c = 0; c < 3; c++) {
             const vdouble base = vd_add(s->base[c], vd_mul(way, vd_from_vf(s->dir[c])));
             s->base[c] = vd_select(far, base, s->base[c]); /* a zero keeps its sign */
             s->org[c] = vf_from_vd(s->base[c]);
-        }
-        if (k == 0) { /* as if rounded from double, too */
-            s->tmin = vf_sub(s->first, step);
-            s->tmax = vf_sub(s->last, step);
-        } else {
-            s->tmin = vf_from_vd(vd_sub(vd_from_vf(s->first), s->shift));
-            s->tmax = vf_from_vd(vd_sub(vd_from_vf(s->last), s->shift));
         }
         far = vm_and(far, is_far(f, s->org));
         if (!vm_any(far) || ++k == RAY_MOVES) break;
@@ -92,8 +88,8 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
             to_high[c] = vf_from_vd(vd_sub(vd_from_vf(high[c]), s->base[c]));
         }
     }
-    s->tmin = vf_max(s->tmin, vf_set(-RAY_T_LIMIT));
-    s->tmax = vf_min(s->tmax, vf_set(RAY_T_LIMIT));
+    s->tmin = vf_max(vf_from_vd(begin), vf_set(-RAY_T_LIMIT));
+    s->tmax = vf_min(vf_from_vd(end), vf_set(RAY_T_LIMIT));
     return hopeful;
 }
 

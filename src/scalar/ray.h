@@ -65,6 +65,7 @@ static inline bool ray_is_far(const cw_field *f, const float org[3]) {
 /* Moves the origin towards the field's box; false if the ray misses the box. */
 static inline bool ray_move(ray_start *r, const cw_field *f) {
     const float low[3] = {0, 0, f->low}, high[3] = {(float)(f->nx - 1), (float)(f->ny - 1), f->high};
+    double first = (double)r->first, last = (double)r->last;
     for (int k = 0; k < RAY_MOVES && ray_is_far(f, r->org); k++) {
         float in = -INFINITY, out = INFINITY;
         for (int c = 0; c < 3; c++) {
@@ -80,11 +81,15 @@ static inline bool ray_move(ray_start *r, const cw_field *f) {
         in = max_second(in, -RAY_FARTHEST);
         const float step = in - (fabsf(in) + FLT_MIN) * RAY_BOX_ROOM;
         r->shift += (double)step;
+        first -= (double)step; /* not less shift, whose sum is rounded from the third step on */
+        last -= (double)step;
         for (int c = 0; c < 3; c++) {
             r->base[c] += (double)step * (double)r->dir[c];
             r->org[c] = (float)r->base[c];
         }
     }
+    r->tmin = max_second((float)first, -RAY_T_LIMIT);
+    r->tmax = min_second((float)last, RAY_T_LIMIT);
     return true;
 }
 
@@ -108,8 +113,6 @@ static inline bool ray_init(ray_start *r, const cw_field *f, const cw_ray *ray) 
     ray_start moved = *r; /* a copy, so that near rays stay in registers */
     if (!ray_move(&moved, f)) return false;
     *r = moved;
-    r->tmin = max_second((float)((double)r->tmin - r->shift), -RAY_T_LIMIT);
-    r->tmax = min_second((float)((double)r->tmax - r->shift), RAY_T_LIMIT);
     return true;
 }
 

@@ -56,7 +56,15 @@ static const exact_case planes[] = {
     {"just above the plane", 3, 3, two, {{-1, -1, 0x1.000002p1f}, 0, {1, 1, 0}, INFINITY}, MISS, MISS},
 };
 
+/* FAST FOOT is a float and 1: from 2^45 cells away a range begins or ends at y = 1, where the ground begins to rise to the
+ * ray. The t by which the ray is moved, in double, is off by 2^-9 cells. */
+static const float bank[] = {0, 0, 0, 0, 1, 1};
+#define FOOT 0x300001p23f
+#define FAST 0xd00001p-23f
+#define FROM -0x270001p24f
 static const exact_case far[] = {
+    {"begins at the foot", 2, 3, bank, {{0.5f, FROM, 0x1p-10f}, FOOT, {0, FAST, 0}, INFINITY}, FOOT, FOOT},
+    {"ends at the foot", 2, 3, bank, {{0.5f, FROM, 0x1p-10f}, 0, {0, FAST, 0}, FOOT}, MISS, MISS},
     {"from far above", 2, 2, level, {{0.25f, 0.5f, 1e8f}, 0, {0, 0, -1}, INFINITY}, 1e8f, 1e8f},
     {"from far away", 2, 2, level, {{-1e8f, 0.5f, 1e8f}, 0, {1, 0, -1}, INFINITY}, 1e8f, 1e8f},
     {"from the end", 2, 2, level, {{0.25f, 0.5f, 3e38f}, 0, {0, 0, -LONGEST}, INFINITY}, END_T, END_T},
