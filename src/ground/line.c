@@ -3,30 +3,15 @@
 
 #include <math.h>
 
-/* What follows from where the line is blocked: a share of the way, or infinity. The sight is on all of the terrain. */
-static void settle(line *l, const sight *s, double block) {
-    const terrain *t = s->terrain;
-    const double *eye = l->eye, *target = l->target;
-    double metres[2];
-    const double height = target[2] - s->eye[2] - sight_fall(s, target[0], target[1]);
-    cw_terrain_metres(t, eye[0], eye[1], metres);
-    for (int e = 0; e < 2; e++) terrain_to_map(t, e ? target[0] : eye[0], e ? target[1] : eye[1], l->ends[e]);
-    l->length = hypot((l->ends[1][0] - l->ends[0][0]) * metres[0], (l->ends[1][1] - l->ends[0][1]) * metres[1]);
-    l->blocked = block < INFINITY;
-    if (!l->blocked) return;
-    for (int e = 0; e < 2; e++) l->block[e] = l->ends[0][e] + block * (l->ends[1][e] - l->ends[0][e]);
-    /* The line bends up against the lowered surface by as much as that is lowered. */
-    const double bend = sight_fall(s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
-    l->block_height = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
-    l->block_distance = block * l->length;
-}
-
 bool line_find(line *l, const terrain *t, const io_place places[2], double curvature, io_error *error) {
     if (!ground_find_place(t, &places[0], l->eye, NULL, error) ||
         !ground_find_place(t, &places[1], l->target, NULL, error))
         return false;
-    cw_sight_init(&l->sight, t, NULL, l->eye, curvature);
-    settle(l, &l->sight, cw_sight_first_block(&l->sight, l->target[0], l->target[1], l->target[2]));
+    double middle[2];
+    cw_sight_middle(l->eye, l->target, middle);
+    cw_sight_init_line(&l->sight, t, l->eye, middle, curvature);
+    const double block = cw_sight_first_block(&l->sight, l->target[0], l->target[1], l->target[2]);
+    l->answer = cw_sight_settle(&l->sight, l->target, middle, block, l->ends);
     return true;
 }
 
@@ -68,8 +53,9 @@ bool line_find_on(line *l, ground *g, const io_place places[2], double curvature
     if (!find_end(g, &places[0], l->eye, error) || !find_end(g, &places[1], l->target, error)) return false;
     const double cells = fmax(fabs(l->target[0] - l->eye[0]), fabs(l->target[1] - l->eye[1]));
     const size_t pieces = (size_t)fmax(ceil(cells / LINE_PIECE), 1);
-    double block = INFINITY;
+    double block = INFINITY, middle[2];
     bool good = true;
+    cw_sight_middle(l->eye, l->target, middle);
     if (p) p->count = 0;
     for (size_t k = 0; k < pieces && good && (p != NULL || block == INFINITY); k++) {
         const double parts[2] = {(double)k / (double)pieces, (double)(k + 1) / (double)pieces};
@@ -84,15 +70,16 @@ bool line_find_on(line *l, ground *g, const io_place places[2], double curvature
         target[0] -= (double)piece.i;
         target[1] -= (double)piece.j;
         sight s;
-        cw_sight_init(&s, &g->terrain, NULL, eye, curvature);
+        const double here[2] = {middle[0] - (double)piece.i, middle[1] - (double)piece.j};
+        cw_sight_init_line(&s, &g->terrain, eye, here, curvature);
         if (block == INFINITY) block = cw_sight_first_block(&s, target[0], target[1], l->target[2]);
         if (p == NULL) continue;
         good = cw_profile_add(p, &s, target[0], target[1], l->target[2], parts[0], parts[1]) == CW_OK ||
                io_fail(error, "out of memory");
     }
     if (!good) return false;
-    cw_sight_init(&l->sight, &g->whole, NULL, l->eye, curvature);
-    settle(l, &l->sight, block);
+    cw_sight_init_line(&l->sight, &g->whole, l->eye, middle, curvature);
+    l->answer = cw_sight_settle(&l->sight, l->target, middle, block, l->ends);
     if (p) cw_profile_finish(p, &l->sight, l->target[0], l->target[1], l->target[2]);
     return true;
 }
@@ -104,7 +91,7 @@ static double line_fresnel_radius(const line *l, double megahertz, double where)
     const double share = fmin(fmax(where, 0), 1);
     const double wavelength = 299.792458 / megahertz;
     const double rise = (l->target[2] - l->eye[2]) * terrain_metres_of_height(l->sight.terrain);
-    return sqrt(wavelength * hypot(l->length, rise) * share * (1 - share));
+    return sqrt(wavelength * hypot(l->answer.metres, rise) * share * (1 - share));
 }
 
 bool line_profile(const line *l, profile *p, io_error *error) {
@@ -115,7 +102,7 @@ bool line_profile(const line *l, profile *p, io_error *error) {
 static void look_at_clearance(const line *l, double megahertz, double share, double gap, clearance *c) {
     const double radius = line_fresnel_radius(l, megahertz, share);
     if (!(radius > 0) || gap / radius >= c->share) return;
-    *c = (clearance){gap / radius, share * l->length, radius};
+    *c = (clearance){gap / radius, share * l->answer.metres, radius};
 }
 
 void line_clearance(const line *l, double megahertz, const profile *p, clearance *c) {
@@ -138,7 +125,7 @@ line_row line_row_of(const line *l, double megahertz, const profile_point *at) {
     const double metres = terrain_metres_of_height(l->sight.terrain);
     double xy[2];
     for (int e = 0; e < 2; e++) xy[e] = l->ends[0][e] + at->share * (l->ends[1][e] - l->ends[0][e]);
-    return (line_row){at->share * l->length,
+    return (line_row){at->share * l->answer.metres,
                       xy[0],
                       xy[1],
                       at->ground * metres,

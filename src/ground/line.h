@@ -12,9 +12,7 @@ typedef struct line {
     sight sight;
     double eye[3], target[3]; /* in field coordinates, heights in the samples' numbers */
     double ends[2][2];        /* on the map */
-    double length;
-    bool blocked;
-    double block[2], block_distance, block_height; /* where, if so */
+    cw_sight_answer answer;
 } line;
 
 bool line_find(line *l, const terrain *t, const io_place places[2], double curvature, io_error *error);

@@ -23,32 +23,38 @@ static uint32_t find_place(const terrain *t, const double place[3], bool absolut
     return fabs(at[2]) <= TERRAIN_HEIGHT_MOST ? CW_SIGHT_SEEN : CW_SIGHT_TOO_FAR;
 }
 
+cw_sight_answer cw_sight_settle(const sight *s, const double target[3], const double middle[2], double block,
+                                double ends[2][2]) {
+    const terrain *t = s->terrain;
+    const double *eye = s->eye, height = target[2] - eye[2] - sight_fall(s, target[0], target[1]);
+    double metres[2];
+    cw_sight_answer a = {NAN, {NAN, NAN, NAN}, NAN, CW_SIGHT_SEEN, 0};
+    cw_terrain_metres(t, middle[0], middle[1], metres);
+    for (int e = 0; e < 2; e++) terrain_to_map(t, e ? target[0] : eye[0], e ? target[1] : eye[1], ends[e]);
+    a.metres = hypot((ends[1][0] - ends[0][0]) * metres[0], (ends[1][1] - ends[0][1]) * metres[1]);
+    if (!(block < INFINITY)) return a;
+    a.state = CW_SIGHT_BLOCKED;
+    for (int c = 0; c < 2; c++) a.blocked[c] = ends[0][c] + block * (ends[1][c] - ends[0][c]);
+    /* The line bends up against the lowered surface by as much as that is lowered. */
+    const double bend = sight_fall(s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
+    a.blocked[2] = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
+    a.distance = block * a.metres;
+    return a;
+}
+
 static cw_sight_answer look_along(const looking *l, const cw_sight *line) {
     const terrain *t = l->terrain;
-    double at[2][3], metres[2], xy[2][2];
+    double at[2][3], middle[2], ends[2][2];
     cw_sight_answer a = {NAN, {NAN, NAN, NAN}, NAN, CW_SIGHT_SEEN, 0};
     for (uint32_t e = 0; e < 2; e++) {
         a.state = find_place(t, e ? line->to : line->from, (line->absolute >> e & 1) != 0, at[e]);
         a.end = e;
         if (a.state != CW_SIGHT_SEEN) return a;
     }
-    const double *eye = at[0], *target = at[1];
     sight s;
-    cw_sight_init(&s, t, NULL, eye, l->curvature);
-    const double height = target[2] - s.eye[2] - sight_fall(&s, target[0], target[1]);
-    const double block = cw_sight_first_block(&s, target[0], target[1], target[2]);
-    cw_terrain_metres(t, eye[0], eye[1], metres);
-    for (int e = 0; e < 2; e++) terrain_to_map(t, at[e][0], at[e][1], xy[e]);
-    a.metres = hypot((xy[1][0] - xy[0][0]) * metres[0], (xy[1][1] - xy[0][1]) * metres[1]);
-    a.end = 0;
-    if (!(block < INFINITY)) return a;
-    a.state = CW_SIGHT_BLOCKED;
-    for (int c = 0; c < 2; c++) a.blocked[c] = xy[0][c] + block * (xy[1][c] - xy[0][c]);
-    /* Heights here are lowered by curvature; that is taken back. */
-    const double bend = sight_fall(&s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
-    a.blocked[2] = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
-    a.distance = block * a.metres;
-    return a;
+    cw_sight_middle(at[0], at[1], middle);
+    cw_sight_init_line(&s, t, at[0], middle, l->curvature);
+    return cw_sight_settle(&s, at[1], middle, cw_sight_first_block(&s, at[1][0], at[1][1], at[1][2]), ends);
 }
 
 static void look_along_some(void *context, size_t begin, size_t end) {

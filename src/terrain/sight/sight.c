@@ -14,11 +14,20 @@ static double rounded_place(double x) { return rint(x * 0x1p60) * 0x1p-60; }
 static double without_dust(double height) { return fabs(height) < 0x1p-200 ? 0 : height; }
 
 void cw_sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature) {
-    *s = (sight){.terrain = t, .bounds = bounds};
+    cw_sight_init_line(s, t, eye, eye, curvature);
+    s->bounds = bounds;
+}
+
+void cw_sight_middle(const double from[2], const double to[2], double middle[2]) {
+    for (int a = 0; a < 2; a++) middle[a] = rint(0.5 * (from[a] + to[a]) * 0x1p20) * 0x1p-20;
+}
+
+void cw_sight_init_line(sight *s, const terrain *t, const double eye[3], const double middle[2], double curvature) {
+    *s = (sight){.terrain = t};
     for (int c = 0; c < 2; c++) s->eye[c] = rounded_place(eye[c]);
     s->eye[2] = without_dust(eye[2]);
     double metres[2];
-    cw_terrain_metres(t, eye[0], eye[1], metres);
+    cw_terrain_metres(t, middle[0], middle[1], metres);
     const double k = curvature / (2 * t->radius * t->map[2][2]);
     const double(*m)[4] = (const double(*)[4])t->map;
     for (int c = 0; c < 2; c++) {

@@ -37,6 +37,11 @@ typedef struct sight {
  * the equator: 0 for a flat earth, 1 for one without air, 6/7 with the refraction that surveyors reckon with. */
 void cw_sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature);
 
+/* The same for a line to one place, with the map's scale in the line's middle: so it answers alike from either end.
+ * middle is rounded so that it is the same in a window of the raster, too. */
+void cw_sight_middle(const double from[2], const double to[2], double middle[2]);
+void cw_sight_init_line(sight *s, const terrain *t, const double eye[3], const double middle[2], double curvature);
+
 static inline double sight_fall(const sight *s, double i, double j) {
     const double x = i - s->eye[0], y = j - s->eye[1];
     return s->fall[0] * x * x + s->fall[1] * x * y + s->fall[2] * y * y;
@@ -88,5 +93,10 @@ double cw_sight_need_known(const sight *s, double i, double j, double z, double 
  * on or below the surface, as a share of the way, with both ends left out; infinite if there is none. That there is
  * one is exact, where it is is rounded. */
 double cw_sight_first_block(const sight *s, double i, double j, double z);
+
+/* lines.c: the answer for a line to target, blocked at that share of the way or, if that is infinite, not at all; and
+ * where its ends are on the map. */
+cw_sight_answer cw_sight_settle(const sight *s, const double target[3], const double middle[2], double block,
+                                double ends[2][2]);
 
 #endif

@@ -57,18 +57,18 @@ static bool find_line(los_command *c, size_t number, const io_place places[2], i
                       error))
         return false;
     if (radio) line_clearance(&c->line, c->megahertz, &c->along, &c->free);
-    c->visible += !c->line.blocked;
+    c->visible += c->line.answer.state == CW_SIGHT_SEEN;
     return !c->profile || write_profile(c, number, error);
 }
 
 /* ---- two places -------------------------------------------------------------------------------------------------- */
 
 static void print_json(const los_command *c) {
-    const line *l = &c->line;
-    json_print(stdout, "{'visible': %b, 'distance': %g", !l->blocked, l->length);
-    if (l->blocked)
-        printf(", \"blocked_at\": [%.10g, %.10g], \"blocked_height\": %.10g, \"blocked_distance\": %.10g", l->block[0],
-               l->block[1], l->block_height, l->block_distance);
+    const cw_sight_answer *a = &c->line.answer;
+    json_print(stdout, "{'visible': %b, 'distance': %g", a->state == CW_SIGHT_SEEN, a->metres);
+    if (a->state != CW_SIGHT_SEEN)
+        printf(", \"blocked_at\": [%.10g, %.10g], \"blocked_height\": %.10g, \"blocked_distance\": %.10g",
+               a->blocked[0], a->blocked[1], a->blocked[2], a->distance);
     if (c->megahertz > 0)
         json_print(stdout, ", 'clearance': %g, 'clearance_distance': %g, 'fresnel_radius': %g", c->free.share,
                    c->free.distance, c->free.radius);
@@ -76,12 +76,12 @@ static void print_json(const los_command *c) {
 }
 
 static void print(const los_command *c) {
-    const line *l = &c->line;
-    if (l->blocked)
-        printf("blocked: %.3f m from the first place, of %.3f m, at a height of %.3f m\nat %.10g,%.10g\n",
-               l->block_distance, l->length, no_minus(l->block_height, 0.0005), l->block[0], l->block[1]);
+    const cw_sight_answer *a = &c->line.answer;
+    if (a->state == CW_SIGHT_SEEN)
+        printf("visible: %.3f m\n", a->metres);
     else
-        printf("visible: %.3f m\n", l->length);
+        printf("blocked: %.3f m from the first place, of %.3f m, at a height of %.3f m\nat %.10g,%.10g\n", a->distance,
+               a->metres, no_minus(a->blocked[2], 0.0005), a->blocked[0], a->blocked[1]);
     if (c->megahertz > 0 && isnan(c->free.share))
         puts("no ground lies between the places");
     else if (c->megahertz > 0)
@@ -106,13 +106,15 @@ static const char *name_of(const los_command *c, size_t row) {
 
 static bool write_row(los_command *c, size_t row, io_error *error) {
     const line *l = &c->line;
+    const cw_sight_answer *a = &l->answer;
+    const bool seen = a->state == CW_SIGHT_SEEN;
     io_output *to = &c->results;
     if (!io_output_print(to, error, "%zu,%.12g,%.12g,%.12g,%.12g,%d,%.3f,", row + 1, l->ends[0][0], l->ends[0][1],
-                         l->ends[1][0], l->ends[1][1], !l->blocked, l->length))
+                         l->ends[1][0], l->ends[1][1], seen, a->metres))
         return false;
-    if (!(l->blocked ? io_output_print(to, error, "%.3f,%.12g,%.12g,%.3f", l->block_distance, l->block[0], l->block[1],
-                                       no_minus(l->block_height, 0.0005))
-                     : io_output_print(to, error, ",,,")))
+    if (!(seen ? io_output_print(to, error, ",,,")
+               : io_output_print(to, error, "%.3f,%.12g,%.12g,%.3f", a->distance, a->blocked[0], a->blocked[1],
+                                 no_minus(a->blocked[2], 0.0005))))
         return false;
     if (c->megahertz > 0 &&
         !(isnan(c->free.share) ? io_output_print(to, error, ",,,")
@@ -223,9 +225,10 @@ static int run(int argc, char **argv) {
         .synopsis = "DEM (X,Y[,H] X,Y[,H] | --pairs FILE.csv) [OPTIONS]",
         .what = "Computes whether the straight line between two places is free of terrain and prints the answer, or "
                 "the place where the line from the first is first blocked. A line that touches the terrain is blocked; "
-                "its ends block nothing, nor do holes. Distances and heights are metres, for any unit of the map. A "
-                "table of pairs is answered by a table: visible is 1 or 0, and blocked_... are empty where nothing "
-                "blocks.\n\n" PRODUCT_PLACE_HELP "\nWithout H a place is on the ground.\n",
+                "its ends block nothing, nor do holes. Distances and heights are metres, for any unit of the map. "
+                "Where the map's scale changes from row to row, as in degrees, a line has that of its middle: its ends "
+                "get the same answer. A table of pairs is answered by a table: visible is 1 or 0, and blocked_... are "
+                "empty where nothing blocks.\n\n" PRODUCT_PLACE_HELP "\nWithout H a place is on the ground.\n",
         .examples = "  cellwalk los dem.tif 600250,5199800,2 601500,5200100,=1250\n"
                     "  cellwalk los dem.tif 600250,5199800,2 601500,5200100 --profile profile.csv\n"
                     "  cellwalk los dem.tif --pairs links.csv -o answers.csv\n"
