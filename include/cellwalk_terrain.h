@@ -97,7 +97,7 @@ CW_API void cw_terrain_destroy(cw_terrain *terrain);
 
 /* Where the answers go: that of sample (at.i + x, at.j + y) to [y * stride + x]. */
 typedef struct cw_area {
-    cw_rectangle at; /* all zero: the whole field */
+    cw_rectangle at; /* all zero: the whole field; else one without columns or rows is nothing */
     size_t stride;   /* numbers from one row to the next, at least at.nx; 0: at.nx */
 } cw_area;
 
@@ -175,7 +175,7 @@ typedef struct cw_observer {
     double height;      /* of the eye in metres above the ground; must not be below it */
     double target;      /* metres above the ground that must be seen; any number */
     double curvature;   /* 0 to 1e9 */
-    double nearest;     /* metres on the map */
+    double nearest;     /* metres on the map, at most farthest if that is not 0 */
     double farthest;    /* metres on the map, 0: no limit */
     double azimuths[2]; /* with CW_OBSERVER_AZIMUTHS: degrees, clockwise from the first to the second */
     /* With CW_OBSERVER_VERTICALS: degrees over the horizontal, -90 to 90, the first not above the second. */
@@ -212,8 +212,8 @@ typedef struct cw_sight {
 enum {
     CW_SIGHT_BLOCKED = 0,
     CW_SIGHT_SEEN = 1,
-    /* The line cannot be: its end has no ground to stand on, is too far from the field to compute with, or is more than
-     * 1 mm under the ground. */
+    /* The line cannot be: its end has no ground to stand on, is too far from the field to compute with or no number, or
+     * is more than 1 mm under the ground. */
     CW_SIGHT_NO_GROUND = 2,
     CW_SIGHT_TOO_FAR = 3,
     CW_SIGHT_UNDER_GROUND = 4
@@ -227,7 +227,9 @@ typedef struct cw_sight_answer {
     uint32_t end;      /* of a line that cannot be: 0 from, 1 to */
 } cw_sight_answer;
 
-/* n lines of sight, in any order. state is exact, as in cw_viewshed, the place of a block is rounded. */
+/* n lines of sight, in any order. state is exact, as in cw_viewshed, the place of a block is rounded. Where the map's
+ * scale changes from row to row, a line has that of its middle, and the same answer from either end; a viewshed has
+ * that of its observer. */
 CW_API cw_status cw_lines_of_sight(const cw_terrain *terrain, const cw_run *run, double curvature,
                                    const cw_sight *lines, size_t n, cw_sight_answer *answers);
 

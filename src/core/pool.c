@@ -87,7 +87,7 @@ static void *help(void *argument) {
 
 static cw_status check_threads(unsigned threads, unsigned least) {
     if (threads >= least && threads <= CW_THREADS_MAX) return CW_OK;
-    return cw_fail(CW_ERROR_ARGUMENT, "threads: %u; a pool has 1 to %d", threads, CW_THREADS_MAX);
+    return cw_fail(CW_ERROR_ARGUMENT, "threads: %u; it is from %u to %d", threads, least, CW_THREADS_MAX);
 }
 
 /* musl gives a thread 128 KiB of stack, most of which a query uses. cellwalk.h promises 1 MiB for the caller's work. */

@@ -92,8 +92,8 @@ def wrong_products(map):
                 ("curvature", "openness", horizon(flags=2, curvature=1), {}), ("stride 30 31", "visibility area", sight(every=2), {"stride": 30}),
                 ("directions 3601 3600", "visibility area", sight(directions=3601), {}), ("height", "visibility area", sight(height=-1), {}),
                 ("height", "visibility area", sight(height=1e38), {}), ("curvature", "visibility area", sight(curvature=1e99), {})]
-    ranges = "azimuths, verticals out of range"
-    for said, more in [("limits 4 3", {"limits": 4}), ("height under the ground", {"height": -0.0011}), ("nearest -1", {"nearest": -1}),
+    ranges = "azimuths verticals from -90 up to 90"
+    for said, more in [("limits 4 3", {"limits": 4}), ("height under the ground", {"height": -0.0011}), ("nearest -1", {"nearest": -1}), ("nearest 9 0 8", {"nearest": 9, "farthest": 8}),
                        ("farthest nan", {"farthest": np.nan}), (ranges, {"azimuths": (0, np.inf), "limits": 1}),
                        (ranges, {"verticals": (1, 0), "limits": 2}), (ranges, {"verticals": (-91, 0), "limits": 2})]:
         yield said, "viewshed angle", eye(map, **more), {}

@@ -181,10 +181,13 @@ cw_status cw_viewshed_from(const sight *s, const cw_observer *from, const cw_run
     if (status == CW_OK) status = cw_check_number("weight", view->weight, -DBL_MAX, DBL_MAX);
     if (status == CW_OK && view->needed && (from->limits & CW_OBSERVER_VERTICALS) != 0)
         status = cw_fail(CW_ERROR_ARGUMENT, "needed: does not go with CW_OBSERVER_VERTICALS");
-    if (status == CW_OK) status = cw_check_number("nearest", from->nearest, 0, INFINITY);
     if (status == CW_OK) status = cw_check_number("farthest", from->farthest, 0, INFINITY);
+    const double most = from->farthest > 0 ? from->farthest : INFINITY;
+    if (status == CW_OK) status = cw_check_number("nearest", from->nearest, 0, most);
     if (status == CW_OK && !cw_view_limits_init(&v.limits, s, from))
-        status = cw_fail(CW_ERROR_ARGUMENT, "azimuths, verticals: a number is none, or out of range");
+        status = cw_fail(CW_ERROR_ARGUMENT,
+                         "azimuths, verticals: %g to %g, %g to %g; numbers, and verticals from -90 up to 90",
+                         from->azimuths[0], from->azimuths[1], from->verticals[0], from->verticals[1]);
     if (status != CW_OK) return status;
     double cells = 0; /* that a metre is long at most */
     for (int k = 0; k < 2; k++)
@@ -211,7 +214,8 @@ static cw_status find_eye(const terrain *t, const cw_observer *from, double eye[
                        "height: %.10g m is under the ground, which is %.10g m high at (%.10g, %.10g)", height, ground,
                        from->x, from->y);
     if (isnan(eye[2]))
-        return cw_fail(CW_ERROR_ARGUMENT, "x, y: there is no ground to stand on, or height is no number");
+        return cw_fail(CW_ERROR_ARGUMENT, "x, y: no ground to stand on at (%.10g, %.10g), or height is no number: %g",
+                       from->x, from->y, from->height);
     const double most = TERRAIN_HEIGHT_MOST * metres;
     cw_status status = cw_check_number("height", height, -most, most);
     if (status == CW_OK) status = cw_check_number("target", from->target, -most, most);
