@@ -64,6 +64,18 @@ def test_far_horizons(strip):
         same("strip.npy", words, "--memory", "3.9M")
 
 
+def test_horizons_below_the_level():
+    """Down stairs, of a height for each block of 256 rows: the horizon is often on a step that is lower and farther than one that bounds it."""
+    for seed in taken(range(60), 10):
+        r = np.random.default_rng([5, seed])
+        drops = r.exponential(20, 8) * r.choice([1, 1, 0.1, -0.5], 8)
+        z = np.repeat(500 - np.cumsum(drops), 256)[:, None] + np.where(r.random() < 0.5, r.uniform(0, 3, (2048, 30)), 0)
+        z[:256] += np.where(np.arange(256) % 50 == 49, r.exponential(50), 0)[:, None]
+        np.save("stairs.npy", z.astype("f4"))
+        # Rows 150 to 255 of the northernmost block.
+        same("stairs.npy", ("horizon", "--directions", 4, "--curvature", [0, 30][seed % 2]), "--window", "0,17920,290,18970", at=np.s_[..., 150:256, :])
+
+
 @pytest.mark.parametrize("why, command, words", [
     # On a flat earth summits see all of it.
     ("40 x 3300 samples matter at once, which need --memory 5M; there is 2M", "horizon", ("--memory", "2M")),

@@ -117,7 +117,8 @@ cw_status cw_reach_blocks_create(const terrain *whole, reach_blocks *b) {
     *b = (reach_blocks){.whole = whole,
                         .across = (whole->nx + REACH_BLOCK - 1) / REACH_BLOCK,
                         .down = (whole->ny + REACH_BLOCK - 1) / REACH_BLOCK,
-                        .highest = -INFINITY};
+                        .highest = -INFINITY,
+                        .lowest = INFINITY};
     const size_t n = b->across * b->down;
     b->low = malloc(2 * n * sizeof *b->low);
     b->holes = calloc(n, sizeof *b->holes);
@@ -156,6 +157,7 @@ void cw_reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
             b->high[k] = high;
             b->holes[k] = holes;
             b->highest = high > b->highest ? high : b->highest;
+            b->lowest = low < b->lowest ? low : b->lowest;
         }
 }
 
@@ -223,10 +225,20 @@ cw_rectangle cw_reach_block(const reach_blocks *b, size_t x, size_t y) {
                           b->whole->ny - j < REACH_BLOCK ? b->whole->ny - j : REACH_BLOCK};
 }
 
+double cw_reach_highest(const reach_blocks *b, size_t x, size_t y) {
+    const double high = (double)b->high[y * b->across + x];
+    double low = high; /* of the blocks next to it too, which have the other ends of edges */
+    for (size_t v = y > 0 ? y - 1 : 0; v <= y + 1 && v < b->down; v++)
+        for (size_t u = x > 0 ? x - 1 : 0; u <= x + 1 && u < b->across; u++)
+            low = fmin(low, (double)b->low[v * b->across + u]);
+    return high > -INFINITY ? high + REACH_ROUNDING * (high - low) : high;
+}
+
 /* Blocks first[a] to end[a] - 1 of an axis: none farther away has what the highest sample would throw a shadow from. */
 static void blocks_in_reach(const reach_blocks *b, const reach_sunward *s, const double from[2], const double until[2],
                             double lowest, size_t first[2], size_t end[2]) {
-    const double over = fmax(((double)b->highest - lowest) * terrain_metres_of_height(b->whole), 0);
+    const double room = REACH_ROUNDING * ((double)b->highest - (double)b->lowest),
+                 over = fmax(((double)b->highest + room - lowest) * terrain_metres_of_height(b->whole), 0);
     for (int a = 0; a < 2; a++) {
         const double count = (double)(a ? b->down : b->across);
         double low = 0, high = count;
@@ -265,7 +277,7 @@ cw_rectangle cw_reach_of_shadows(const reach_blocks *b, const reach_sunward *s, 
             const cw_rectangle block = cw_reach_block(b, x, y);
             double first, last, left[2], end[2];
             if (!(b->high[y * b->across + x] > -INFINITY) || !passing(s, part, block, &first, &last)) continue;
-            const double over = ((double)b->high[y * b->across + x] - lowest) * terrain_metres_of_height(b->whole);
+            const double over = (cw_reach_highest(b, x, y) - lowest) * terrain_metres_of_height(b->whole);
             if (s->tangent > 0) last = fmin(last, over / s->tangent);
             /* Terrain as low as a descending ray can hide it. */
             if (s->tangent < 0 && over < 0) first = fmax(first, over / s->tangent);

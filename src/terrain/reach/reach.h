@@ -32,9 +32,9 @@ enum { REACH_BLOCK = 256 };
 typedef struct reach_blocks {
     const terrain *whole;
     size_t across, down;
-    float *low, *high; /* low > high: all are holes, or were not taken */
-    bool *holes;       /* whether some are */
-    float highest;     /* of all */
+    float *low, *high;     /* low > high: all are holes, or were not taken */
+    bool *holes;           /* whether some are */
+    float highest, lowest; /* of all */
 } reach_blocks;
 
 cw_status cw_reach_blocks_create(const terrain *whole, reach_blocks *blocks);
@@ -46,6 +46,10 @@ void cw_reach_blocks_take(reach_blocks *blocks, cw_rectangle part, const float *
 #define REACH_BESIDE 2.0
 /* The samples of block (x, y). */
 cw_rectangle cw_reach_block(const reach_blocks *blocks, size_t x, size_t y);
+/* No edge with a sample in it is computed to be higher anywhere; -infinity if all are holes. */
+double cw_reach_highest(const reach_blocks *blocks, size_t x, size_t y);
+/* Heights on an edge, seen from a sample, are off by so much of the edge's range at most: 8u (src/terrain/heading.c). */
+#define REACH_ROUNDING 0x1p-21
 
 /* The ways from samples of a part toward the sun's disc. */
 typedef struct reach_sunward {
@@ -67,7 +71,7 @@ cw_rectangle cw_reach_of_shadows(const reach_blocks *blocks, const reach_sunward
 typedef struct reach_horizons {
     const reach_blocks *blocks;
     cw_rectangle window;
-    double curvature, deepest; /* deepest: the largest number among the samples, without its sign */
+    double curvature;
     bool above_level;
     struct reach_row {
         bool known;

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A block of the raster matters to the horizons of samples in another if something in it may rise more steeply, from
- * one of these samples, than all that is nearer. With z the sample's height, H the block's highest, D the least
- * distance in metres and c the share of its square by which the earth's curvature lowers what is there, nothing in the
- * block rises by more than (H - z) / D - c D. On the way there the ray crosses every ring of blocks around the sample's
- * block that is nearer than the block itself. It crosses the square in the ring's middle too, where its blocks are
- * whole, on an edge between two samples of the ring. So if the ring has no holes and its lowest sample is L, something
- * rises by at least (L - z) / d - c d, d being a distance of the ring. Both are straight lines in z, but that d is the
- * ring's greatest distance where L is above z and its least where it is below: so only the ends and z = L matter.
+ * one of these samples, than all that is nearer. With z the sample's height, H the block's highest and c the share of
+ * the square of a distance by which the earth's curvature lowers what is there, nothing in the block rises by more than
+ * (H - z) / D - c E, where E is the least distance in metres, and D the least one for H above z and the greatest for H
+ * below. On the way there the ray crosses every ring of blocks around the sample's block that is nearer than the block
+ * itself. It crosses the square in the ring's middle too, where its blocks are whole, on an edge between two samples of
+ * the ring. So if the ring has no holes and its lowest sample is L, something rises by at least (L - z) / d - c d, d
+ * being a distance of the ring: the greatest where L is above z, the least where it is below. Both bounds consist of
+ * straight lines in z, so only the ends, z = L and z = H matter. H is raised and L lowered by what heights between
+ * samples are rounded by.
  *
  * On a flat earth a summit sees to the raster's end, so this bounds little unless nothing below the level counts. */
 #include "reach.h"
@@ -43,8 +45,8 @@ static scale scale_of(const terrain *whole, size_t block_row) {
 
 /* What rises at least around a block: ring number k. */
 struct ring {
-    double low;      /* its lowest sample; -infinity: it has holes */
-    double from, to; /* least and greatest distance in metres */
+    double low, high; /* its lowest sample, lowered; -infinity: it has holes */
+    double from, to;  /* least and greatest distance in metres */
 };
 typedef struct ring ring;
 
@@ -66,16 +68,17 @@ static double least_rise(const place *p, const ring *r, double z) {
     return over - fall - hair * ((fabs(r->low) + fabs(z)) * p->up / d + fall);
 }
 
-static double most_rise(const place *p, double high, double distance, double z) {
-    const double fall = p->drop * distance;
-    return (high - z) * p->up / distance - fall + hair * ((fabs(high) + fabs(z)) * p->up / distance + fall);
+static double most_rise(const place *p, double high, const double distance[2], double z) {
+    const double fall = p->drop * distance[0];
+    return (high - z) * p->up / distance[high < z] - fall +
+           hair * ((fabs(high) + fabs(z)) * p->up / distance[0] + fall);
 }
 
 static void find_rings(place *p) {
     const reach_blocks *b = p->horizons->blocks;
     for (size_t k = 0; k < p->count; k++) {
         const double middle = (double)(k * REACH_BLOCK), half = 0.5 * REACH_BLOCK;
-        p->rings[k] = (ring){INFINITY, (middle - half) / fmax(p->scale.cells[0], p->scale.cells[1]),
+        p->rings[k] = (ring){INFINITY, -INFINITY, (middle - half) / fmax(p->scale.cells[0], p->scale.cells[1]),
                              (middle + half) * p->scale.diagonal};
     }
     for (size_t y = 0; y < b->down; y++)
@@ -83,10 +86,12 @@ static void find_rings(place *p) {
             const size_t dx = apart(x, p->x), dy = apart(y, p->y), k = dx > dy ? dx : dy, at = y * b->across + x;
             const double low = b->holes[at] ? -INFINITY : (double)b->low[at];
             p->rings[k].low = fmin(p->rings[k].low, low);
+            p->rings[k].high = fmax(p->rings[k].high, (double)b->high[at]);
         }
     double most = -INFINITY;
     size_t best = 0;
     for (size_t k = 1; k < p->count; k++) {
+        p->rings[k].low -= REACH_ROUNDING * fmax(p->rings[k].high - p->rings[k].low, 0);
         p->best[k] = best;
         const double rise = p->rings[k].low > -INFINITY ? least_rise(p, &p->rings[k], p->high) : -INFINITY;
         if (rise > most) {
@@ -100,18 +105,17 @@ static void find_rings(place *p) {
 static bool matters(const place *p, size_t x, size_t y) {
     const reach_horizons *h = p->horizons;
     const size_t dx = apart(x, p->x), dy = apart(y, p->y), k = dx > dy ? dx : dy;
-    double high = (double)h->blocks->high[y * h->blocks->across + x];
     if (k < 2) return true;
+    const double high = cw_reach_highest(h->blocks, x, y);
     if (!(high > -INFINITY)) return false; /* all are holes; edges to the next blocks are theirs too */
-    /* Heights between samples are rounded, but none is above 0 where no sample is. */
-    if (high != 0) high += 0x1p-22 * (fabs(high) + h->deepest);
     const double gap[2] = {dx > 0 ? (double)(dx - 1) * REACH_BLOCK : 0, dy > 0 ? (double)(dy - 1) * REACH_BLOCK : 0};
-    const double distance = fmax(gap[0] / p->scale.cells[0], gap[1] / p->scale.cells[1]);
-    if (h->above_level && (high - p->low) * p->up <= p->drop * distance * distance * (1 - hair)) return false;
+    const double distance[2] = {fmax(gap[0] / p->scale.cells[0], gap[1] / p->scale.cells[1]),
+                                (double)((k + 1) * REACH_BLOCK) * p->scale.diagonal};
+    if (h->above_level && (high - p->low) * p->up <= p->drop * distance[0] * distance[0] * (1 - hair)) return false;
     if (p->best[k] == 0) return true;
     const ring *r = &p->rings[p->best[k]];
-    const double heights[3] = {p->low, p->high, fmin(fmax(r->low, p->low), p->high)};
-    for (int n = 0; n < 3; n++)
+    const double heights[4] = {p->low, p->high, fmin(fmax(r->low, p->low), p->high), fmin(fmax(high, p->low), p->high)};
+    for (int n = 0; n < 4; n++)
         if (most_rise(p, high, distance, heights[n]) > least_rise(p, r, heights[n])) return true;
     return false;
 }
@@ -156,9 +160,6 @@ cw_status cw_reach_horizons_create(const reach_blocks *blocks, cw_rectangle wind
     h->rows = calloc(blocks->down, sizeof *h->rows);
     h->rings = calloc(most, sizeof(ring));
     h->best = calloc(most, sizeof *h->best);
-    for (size_t k = 0; k < blocks->across * blocks->down; k++)
-        if (blocks->low[k] <= blocks->high[k])
-            h->deepest = fmax(h->deepest, fmax(fabs((double)blocks->low[k]), fabs((double)blocks->high[k])));
     if (h->rows && h->rings && h->best) return CW_OK;
     cw_reach_horizons_destroy(h);
     return CW_ERROR_MEMORY;
