@@ -161,15 +161,12 @@ def test_pages(tmp_path):
         if "--isa" in options and not checked:
             check_completion(f"{name} {command} --isa av", ["avx2", "avx512"])
             check_completion(f"{name} {command} --isa=sc", ["scalar"])
-            check_completion(f"{name} {command} {'--threads' if name == 'cellwalk' else '--seed'} ", [])
+            check_completion(f"{name} {command} --threads ", [])
             checked = True
     check_completion(f"{name} ", [*commands, "--help", "--version"])
     check_completion(f"{name} --ver", ["--version"])
-    if name == "cellwalk":
-        check_completion("cellwalk render --output ", ["a.npy"])
-        check_completion("cellwalk render a", ["a.npy"])
-    else:
-        check_completion("cellwalk-bench measure --isa av", ["avx2", "avx512"])
+    check_completion("cellwalk render --output ", ["a.npy"])
+    check_completion("cellwalk render a", ["a.npy"])
 
 
 # ---- the libraries ----------------------------------------------------------------------------------------------------------
