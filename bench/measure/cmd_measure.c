@@ -245,6 +245,8 @@ static const char what[] =
     "  257,1025/primary  default,embree               time\n"
     "  8193/primary      default,coarser:2,coarser:4  time,error\n"
     "  scenes/hftest     default,grid3d,embree        time\n\n"
+    "Metrics are time, agree (whether answers are the first contender's), error (against the truth) and instructions "
+    "(one pass, for callgrind). "
     "Contenders are compared first, then timed in turns, each round in another order, until the 95 % intervals of "
     "their ratios to the first are narrow. The exit status is 1 if a figure did not get there, which is marked, or if "
     "an answer is wrong.\n\n"

@@ -69,6 +69,13 @@ def test_any_numbers(rays):
     same(np.isnan(h.points()).all(-1), ~h.hit)
 
 
+def test_truth():
+    h = FIELD.closest([[41, 30, 60], [1e6, 0, 0]], [0, 0, -1])
+    assert h[0] and not h[1]
+    with pytest.raises(ValueError, match="2 rays is ambiguous"):
+        bool(h)
+
+
 def test_many_rays():
     n = 10**7
     eye, v = np.array([41.0, 30, 60]), np.column_stack([np.linspace(-1, 1, n), np.linspace(0.9, -0.9, n), np.full(n, -1)]).astype(np.float32)

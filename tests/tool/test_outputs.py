@@ -3,10 +3,11 @@
 the name of an input or of another. ../io/test_outputs.py has the rules."""
 import os
 import stat
+import subprocess
 
 import numpy as np
 import pytest
-from program import SCENE, asc, entries, needs, rays, read, refused, run, shell, vrt, write
+from program import PROGRAM, SCENE, asc, entries, needs, rays, read, refused, run, shell, vrt, write
 
 MAP = "--cellsize", 10
 SHADOW = "shadow", "field.npy", *MAP, "--sun", "225,30"
@@ -87,6 +88,10 @@ def test_standard_output_and_closed_streams():
     """A warning that cannot be shown lands in no file either."""
     assert shell("PROGRAM trace field.npy rays.npy -o - > piped.npy && PROGRAM trace field.npy rays.npy -o hits.npy").returncode == 0
     assert read("piped.npy") == read("hits.npy")
+    unread, pipe = os.pipe()  # who reads no further is no fault, but nor is it a success
+    os.close(unread)
+    done = subprocess.run([PROGRAM, "info", "--help"], stdout=pipe, stderr=subprocess.PIPE)
+    assert (done.returncode, done.stderr) == (1, b"")
     done = shell("PROGRAM info > /dev/full")
     assert done.returncode != 0 and done.stderr == "cellwalk: cannot write to standard output: No space left on device\n"
     z = np.load("field.npy")

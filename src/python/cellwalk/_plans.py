@@ -130,7 +130,7 @@ def find_eye(core: Core, spot, name: Optional[str]) -> Any:
     if state == lib.PLACE_GOOD:
         return at
     if name is not None:
-        why = {lib.PLACE_FAR: "is too far away from the terrain", lib.PLACE_NO_GROUND: "has no ground under it; give the height itself, absolute",
+        why = {lib.PLACE_FAR: "is too far away from the terrain", lib.PLACE_NO_GROUND: "has no ground under it, as only an absolute height may",
                lib.PLACE_UNDER: "is under the ground", lib.PLACE_HIGH: "is too high"}[state]
         raise ValueError(f"{name}: ({x:.10g}, {y:.10g}, {z:.10g}) {why}")
     return None

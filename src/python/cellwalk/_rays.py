@@ -89,6 +89,11 @@ class Hits:
     def __len__(self) -> int:
         return len(self.records)
 
+    def __bool__(self) -> bool:
+        if self.records.ndim:
+            raise ValueError(f"the truth of {self.records.size} rays is ambiguous: use hits.hit.any() or hits.hit.all()")
+        return bool(self.hit)
+
     def __getitem__(self, index) -> "Hits":
         return Hits(np.asarray(self.records[index]), self._field)
 

@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -134,6 +135,8 @@ int program_main(const program *p, int argc, char **argv) {
     /* A failure to print counts as much as a failure to write a file. */
     const bool flushed = fflush(stdout) == 0; /* if an earlier one was not, errno no longer tells why */
     if ((flushed && !ferror(stdout)) || status != EXIT_SUCCESS) return status;
+    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
+    if (poll(&out, 1, 0) > 0 && (out.revents & POLLERR) != 0) return EXIT_FAILURE; /* a pipe that nobody reads on */
     fprintf(stderr, "%s: cannot write to standard output: %s\n", p->name, flushed ? "text is lost" : strerror(errno));
     return EXIT_FAILURE;
 }
