@@ -79,6 +79,18 @@ def blocks_of(file, chunks=64):
     return cwd._Raster(file, chunks, 1, None, None, None, 2e9)
 
 
+def test_land_far_below_zero_and_a_file_written_again(tmp_path):
+    """A step of half a metre 5 km away in 8000 m deep land throws a shadow over many chunks."""
+    deep = np.full((4, 5200), -8000, "float32")
+    deep[:, 4864] = -7999.5
+    d = xr.DataArray(deep, dims=("y", "x"), coords={"y": [3.0, 2, 1, 0], "x": np.arange(5200.0)})
+    low = np.degrees(np.arctan(0.5 / 4853.5))
+    same(compute(cwd.shadow(d.chunk({"x": 32, "y": 4}), 90, low)), cw.Field(d).shadow(90, low).values)
+    for z in mountains(), mountains()[::-1]:
+        file = geotiff(tmp_path / "again.tif", z)
+        same(compute(cwd.shadow(file, 225, 9, chunks=301)), np.asarray(cw.open(file).shadow(225, 9)))
+
+
 def test_shadow_reaches_over_chunks(file):
     """The halo matters: without it some sample differs. And it is no more than the sun's side, and so high as shadows reach."""
     whole, chunk = cw.open(file), cw.open(file, (0, 192, 64, 64))

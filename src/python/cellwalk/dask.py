@@ -81,7 +81,20 @@ def _field(part, g: Source, window: _Window, threads: int) -> Field:
     return field_of(g._replace(samples=samples, shape=samples.shape, map=affine, whole=(g, window.column, window.row)), threads)
 
 
-_kept_field = functools.lru_cache(maxsize=1)(_field)  # the whole raster, for chunk after chunk
+@functools.lru_cache(maxsize=1)
+def _kept_field(part, g, window, threads, stamp) -> Field:  # the whole raster, for chunk after chunk
+    return _field(part, g, window, threads)
+
+
+def _stamp(path):
+    """That a file has been written again; None for what is no file."""
+    try:
+        s = os.stat(path)
+    except OSError:
+        return None
+    return s.st_mtime_ns, s.st_size, s.st_ino
+
+
 _one_at_a_time = threading.Lock()
 
 
@@ -89,7 +102,7 @@ def _field_of(part, g, window, threads) -> Field:
     if not isinstance(part, tuple) or (window.rows, window.columns) != g.shape:
         return _field(part, g, window, threads)
     with _one_at_a_time:  # threads of a worker share it
-        return _kept_field(part, g, window, threads)
+        return _kept_field(part, g, window, threads, _stamp(part[0]))
 
 
 def _ranges(part, g, window):
@@ -153,7 +166,7 @@ class _Reach:
         if ranges is not None:
             low, high, highest = ranges
             plan.blocks = {"whole": self.core.terrain, "across": low.shape[1], "down": low.shape[0], "low": ffi.from_buffer("float[]", low),
-                           "high": ffi.from_buffer("float[]", high), "highest": highest}
+                           "high": ffi.from_buffer("float[]", high), "highest": highest, "lowest": low.min()}
         check(lib.ground_plan_around(plan, w, piece), "reach")
         return _window_of(piece)
 
