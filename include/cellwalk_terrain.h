@@ -191,7 +191,7 @@ typedef struct cw_view {
     double *sum;    /* grows by weight there */
     double weight;  /* any number; 0: 1 */
     float *angle;   /* of the target over the eye's horizontal in degrees; NaN where it is not seen */
-    /* Metres above the ground that are needed to be seen; 0: the ground is; NaN at a hole and beyond limits. */
+    /* Metres above the ground from which on nothing rises above the line; NaN at a hole and beyond limits. */
     float *needed;
     uint64_t reserved[8]; /* 0 */
 } cw_view;
@@ -237,12 +237,14 @@ CW_API cw_status cw_lines_of_sight(const cw_terrain *terrain, const cw_run *run,
 
 /* How much each place sees, along even directions. */
 typedef struct cw_visibility_desc {
-    double height;        /* of the eye in metres above the sample, not negative */
-    double target;        /* metres above the ground that must be seen, not negative */
-    double max_distance;  /* metres: what is farther away does not count; 0: no limit */
-    double curvature;     /* 0 to 1e9 */
-    uint32_t directions;  /* up to 3600, azimuths 0, 360 / directions, …; 0: 128 */
-    uint32_t every;       /* eyes at every so many columns and rows of the area, from its first ones on; 0: 1 */
+    double height;       /* of the eye in metres above the sample, not negative */
+    double target;       /* metres above the ground that must be seen, not negative */
+    double max_distance; /* metres: what is farther away does not count; 0: no limit */
+    double curvature;    /* 0 to 1e9 */
+    uint32_t directions; /* up to 3600, azimuths 0, 360 / directions, …; 0: 128 */
+    /* Eyes at every so many columns and rows of the area, from its first ones on; 0: 1. A row takes room for 80 every
+     * floats at least. */
+    uint32_t every;
     uint64_t reserved[8]; /* 0 */
 } cw_visibility_desc;
 
@@ -255,7 +257,8 @@ typedef struct cw_visibility_answers {
     uint64_t reserved[8]; /* 0 */
 } cw_visibility_answers;
 
-/* Along each direction the parts of the surface in sight are exact but for rounding. area.stride counts eyes. */
+/* Along each direction the parts of the surface in sight are exact but for rounding: an eye of height h above a sample
+ * of height z is a float, off by up to 2^-24 (|z| + h). area.stride counts eyes. */
 CW_API cw_status cw_visibility(const cw_terrain *terrain, const cw_run *run, const cw_visibility_desc *desc,
                                cw_area area, const cw_visibility_answers *answers);
 

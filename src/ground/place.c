@@ -100,12 +100,13 @@ static bool tell_no_ground(const terrain *part, const io_place *p, const double 
 
 place_state ground_try_place(const terrain *t, const io_place *p, double at[3], double *level_there) {
     const bool near = cw_terrain_find_place(t, p->x, p->y, at);
-    const double level = *level_there = near ? cw_terrain_height(t, at[0], at[1]) : NAN;
+    const double metres = terrain_metres_of_height(t), own = near ? cw_terrain_level(t, at[0], at[1]) : NAN;
+    const double level = *level_there = own * metres;
     if (!near) return PLACE_FAR;
     if (!p->absolute && isnan(level)) return PLACE_NO_GROUND;
     const double height = p->absolute ? p->z : level + p->z;
     if (height < level - TERRAIN_LEAST_DEPTH) return PLACE_UNDER;
-    at[2] = height / terrain_metres_of_height(t);
+    at[2] = (p->absolute ? 0 : own) + p->z / metres;
     return fabs(at[2]) <= TERRAIN_HEIGHT_MOST ? PLACE_GOOD : PLACE_HIGH;
 }
 

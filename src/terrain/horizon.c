@@ -117,9 +117,10 @@ static float locate(const locating *l, size_t i, size_t j, double rise) {
     sight s;
     cw_sight_init(&s, t, l->horizon->bounds, eye, l->horizon->desc.curvature);
     s.at_crossings = true;
-    double far = cw_terrain_steps_out(t, eye, way->dir); /* a limit counts as the heading's */
-    if (l->horizon->desc.max_distance > 0) far = fmin(far, l->horizon->desc.max_distance / way->length * (1 + 0x1p-20));
-    const double to[2] = {eye[0] + far * way->dir[0], eye[1] + far * way->dir[1]};
+    double far = cw_terrain_steps_out(t, eye, way->dir);
+    if (l->horizon->desc.max_distance > 0) far = fmin(far, l->horizon->desc.max_distance / way->length + SIGHT_END);
+    double to[2]; /* so many bits that its distance from the sample is the same in any window */
+    for (int a = 0; a < 2; a++) to[a] = eye[a] + rint(far * way->dir[a] * 0x1p28) * 0x1p-28;
     const double least = (rise - 0x1p-18 * fabs(rise) - 0x1p-40 * fabs(eye[2])) * far;
     sight_rise r = cw_sight_steepest(&s, to[0], to[1], least);
     if (r.share == 0) r = cw_sight_steepest(&s, to[0], to[1], -INFINITY);

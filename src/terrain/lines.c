@@ -16,8 +16,9 @@ typedef struct looking {
 /* A place in field coordinates, height in the samples' numbers: CW_SIGHT_SEEN if a line can end there. */
 static uint32_t find_place(const terrain *t, const double place[3], bool absolute, double at[3]) {
     if (!cw_terrain_find_place(t, place[0], place[1], at)) return CW_SIGHT_TOO_FAR;
-    const double level = cw_terrain_height(t, at[0], at[1]), height = absolute ? place[2] : level + place[2];
-    at[2] = height / terrain_metres_of_height(t);
+    const double metres = terrain_metres_of_height(t), ground = cw_terrain_level(t, at[0], at[1]),
+                 level = ground * metres, height = absolute ? place[2] : level + place[2];
+    at[2] = (absolute ? 0 : ground) + place[2] / metres;
     if (!absolute && isnan(level)) return CW_SIGHT_NO_GROUND;
     if (height < level - TERRAIN_LEAST_DEPTH) return CW_SIGHT_UNDER_GROUND;
     return fabs(at[2]) <= TERRAIN_HEIGHT_MOST ? CW_SIGHT_SEEN : CW_SIGHT_TOO_FAR;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "terrain.h"
 
+#include "samples.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -74,7 +76,13 @@ double cw_terrain_direction(const terrain *t, double i, double j, double azimuth
     cw_terrain_metres(t, i, j, metres);
     cw_terrain_sine_cosine(azimuth, &sine, &cosine);
     const double x = sine / metres[0], y = cosine / metres[1]; /* a metre on the map */
-    for (int k = 0; k < 2; k++) dir[k] = t->back[k][0] * x + t->back[k][1] * y;
+    double rounding[2]; /* along an axis or a diagonal, as far as azimuth and map are known, it is that exactly */
+    for (int k = 0; k < 2; k++) {
+        const double sum = t->back[k][0] * x + t->back[k][1] * y;
+        rounding[k] = PLACE_ROUNDING * (fabs(t->back[k][0]) + fabs(t->back[k][1])) * (fabs(x) + fabs(y));
+        dir[k] = fabs(sum) > rounding[k] ? sum : 0;
+    }
+    if (fabs(dir[0] - dir[1]) <= rounding[0] + rounding[1]) dir[1] = dir[0];
     const double length = 1 / fmax(fabs(dir[0]), fabs(dir[1])); /* metres in a cell along the longer axis */
     dir[0] *= length;
     dir[1] *= length;
@@ -82,15 +90,19 @@ double cw_terrain_direction(const terrain *t, double i, double j, double azimuth
 }
 
 double cw_terrain_steps_out(const terrain *t, const double at[2], const double dir[2]) {
+    const terrain *whole = terrain_whole(t);
+    const double from[2] = {at[0] + (double)t->column, at[1] + (double)t->row};
     double steps = INFINITY;
     for (int a = 0; a < 2; a++) {
-        const double last = (double)((a ? t->ny : t->nx) - 1);
-        if (dir[a] != 0) steps = fmin(steps, ((dir[a] > 0 ? last : 0) - at[a]) / dir[a] + 1);
+        const double last = (double)((a ? whole->ny : whole->nx) - 1);
+        if (dir[a] != 0) steps = fmin(steps, ((dir[a] > 0 ? last : 0) - from[a]) / dir[a] + 1);
     }
     return steps;
 }
 
-double cw_terrain_height(const terrain *t, double i, double j) {
+double cw_terrain_height(const terrain *t, double i, double j) { return cw_terrain_level(t, i, j) * t->map[2][2]; }
+
+double cw_terrain_level(const terrain *t, double i, double j) {
     if (!(i >= 0 && j >= 0 && i <= (double)(t->nx - 1) && j <= (double)(t->ny - 1))) return NAN;
     const size_t ci = i < (double)(t->nx - 1) ? (size_t)i : t->nx - 2,
                  cj = j < (double)(t->ny - 1) ? (size_t)j : t->ny - 2;
@@ -102,7 +114,7 @@ double cw_terrain_height(const terrain *t, double i, double j) {
     double height = 0;
     for (int k = 0; k < 3; k++) /* on an edge or at a sample the cells beyond do not count, hole or not */
         if (weight[k] > 0) height += weight[k] * (double)*corner[k];
-    return isfinite(height) ? height * t->map[2][2] : NAN;
+    return isfinite(height) ? height : NAN;
 }
 
 size_t cw_terrain_rows_alike(const terrain *t, size_t row) {

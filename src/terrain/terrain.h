@@ -78,6 +78,8 @@ double cw_terrain_steps_out(const terrain *t, const double at[2], const double d
 
 /* Height of the surface in metres at field coordinates, as rays meet it; NaN outside and in holes. */
 double cw_terrain_height(const terrain *t, double i, double j);
+/* The same in the samples' numbers: a sample's own at the sample. */
+double cw_terrain_level(const terrain *t, double i, double j);
 
 /* Metres of height in one of the samples' numbers. */
 static inline double terrain_metres_of_height(const terrain *t) { return t->map[2][2]; }

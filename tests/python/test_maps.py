@@ -339,3 +339,22 @@ def test_the_nearest_of_equal_rises():
         field = cw.Field((1000 + slopes[0] * i + slopes[1] * j).astype("float32"), METRES, MAPS["utm"])
         inner = field.horizon(1, start=azimuth, distance=True)[0, 2:-2, 2:-2]
         assert np.isfinite(inner).all() and np.ptp(inner) < 1e-3 and inner.max() < 42.5
+
+
+def test_horizons_at_ends():
+    """A row between holes, all of one height: the nearest sample counts. A wall is where max_distance ends, or is not. And along an axis of a map
+    that is turned and three times as wide as long the last row has the terrain that is there."""
+    row = np.full((3, 8), np.nan, "float32")
+    row[1] = 60
+    assert cw.Field(row).horizon(1, start=90, distance=True)[0, 1, :-1].tolist() == [1] * 7
+    wall = np.zeros((2, 12), "float32")
+    wall[:, 10] = 5
+    field = cw.Field(wall)
+    for most, angle, away in (10, np.degrees(np.arctan(0.5)), 10), (9.999995, 0, 1):
+        at = field.horizon_at(0, 0, directions=1, start=90, max_distance=most)
+        assert abs(field.horizon(1, most, start=90)[0, 0, 0] - angle) < 1e-5 and abs(at.angle[0] - angle) < 1e-9, most
+        assert field.horizon(1, most, start=90, distance=True)[0, 0, 0] == away and abs(at.distance[0] - away) < 1e-9, most
+    for turn in np.arange(0.1, 90, 3.7):
+        s, c = np.sin(np.radians(turn)), np.cos(np.radians(turn))
+        angles = cw.Field(np.random.default_rng(1).random((5, 5), "float32"), (c, 3 * s, 0, -s, 3 * c, 0)).horizon(4, start=turn)
+        assert (np.isnan(angles).sum((1, 2)) == 5).all(), turn

@@ -82,6 +82,17 @@ def test_outputs_go_together(lands):
     assert (states[20, 30], answers["end"][20, 30]) == (2, 1) and ((states == 1) == (one == 1)).all() and (np.delete(states, 20 * NX + 30) < 2).all()
 
 
+def test_lines_in_a_plane_in_feet(lands):
+    """From the ground of a plane all is touched: lines say it as viewsheds do, though metres of samples, and these back in feet, are rounded."""
+    z, map = (3 * I + 7 * J + 1).astype("f4"), np.array(MAPS[1][0])
+    lands.land(z, MAPS[1][0])
+    at = np.column_stack([I.flat, J.flat]) @ map[:2, :2].T + map[:2, 3]
+    seen = lands.product("viewshed seen", observer(*at[0], 0), "u2")
+    lines = np.zeros(NX * NY, STRUCTS["cw_sight"])
+    lines["from"][:, :2], lines["to"][:, :2] = at[0], at
+    assert (lands.lines(0, lines)["state"].reshape(NY, NX) == seen).all() and seen.sum() < 20
+
+
 def wrong_products(map):
     """What is said, the product, its description, and what else it takes. What core_arguments has of each function is not here."""
     yield from [("altitude 91 90", "shadow", light(altitude=91), {}), ("radius 11 10", "sunlight", light(radius=11), {}),

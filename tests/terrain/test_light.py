@@ -239,7 +239,8 @@ def test_limits_include_their_ends(lands):
     square = x * x + y * y
     own, sectors = square == 0, {
         (0, 90): (x >= 0) & (y >= 0), (45, 45): (x == y) & (x > 0), (270, 90): y >= 0, (90, 45): ~((x > 0) & (y > 0) & (x > y)), (0, 360): y == y,
-        (360, 0): (x == 0) & (y > 0), (-45, 45): y >= abs(x), (225, 135): ~(-y > abs(x))}
+        (360, 0): (x == 0) & (y > 0), (-45, 45): y >= abs(x), (225, 135): ~(-y > abs(x)),
+        (0, 179.9999999): (x > 0) | ((x == 0) & (y > 0)), (90, 269.9999999): (y < 0) | ((y == 0) & (x > 0))}
     cases = [(dict(azimuths=ends, limits=1), own | wanted) for ends, wanted in sectors.items()]
     cases += [(dict(verticals=ends, limits=2), wanted) for ends, wanted in (
         ((-45, 90), square >= 9), ((-90, -45), square <= 9), ((0, 90), square < 0))]

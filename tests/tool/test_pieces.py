@@ -92,7 +92,7 @@ def test_near_views(file, distance, side):
     needs("GDAL")
     words = "viewshed", "--from", MAPS[file], "--max-distance", distance
     near = np.s_[100 - side:101 + side, 150 - side:151 + side]
-    for more in taken([(), ("--needed",)], 2):
+    for more in taken([(), ("--needed",), ("--needed", "--curvature", 0)], 3):
         whole, part = product(file, *words, *more, "--window=-1e9,-1e9,1e9,1e9"), product(file, *words, *more)
         assert whole[near].tobytes() == part.tobytes()
         if not more:

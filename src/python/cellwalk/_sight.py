@@ -255,8 +255,8 @@ class Sight(Products):
 
         Returns uint8, shape (rows, columns): 1 where seen, else 0, 255 at holes. From several observers: how many see it
         (uint16 with 65535 at holes, from 255 observers on). bands: shape (observers, rows, columns). float32 with NaN for none are
-        needed (metres, 0 where the ground is seen), angle (degrees) and weights. A line that touches an edge of the surface on
-        the way is blocked; holes hide nothing. Raises ValueError if an observer has no ground to stand on, or is under it.
+        needed (metres, 0 where nothing rises above the line to the ground), angle (degrees) and weights. A line that touches an edge of
+        the surface on the way is blocked; holes hide nothing. Raises ValueError if an observer has no ground to stand on, or is under it.
 
             >>> import numpy as np, cellwalk as cw
             >>> z = np.zeros((3, 8), "float32"); z[:, 3] = 5

@@ -24,7 +24,11 @@ void cw_sight_middle(const double from[2], const double to[2], double middle[2])
 
 void cw_sight_init_line(sight *s, const terrain *t, const double eye[3], const double middle[2], double curvature) {
     *s = (sight){.terrain = t};
-    for (int c = 0; c < 2; c++) s->eye[c] = rounded_place(eye[c]);
+    for (int c = 0; c < 2; c++) {
+        s->eye[c] = rounded_place(eye[c]);
+        s->corner[c] = floor(s->eye[c]);
+        s->near[c] = s->eye[c] - s->corner[c];
+    }
     s->eye[2] = without_dust(eye[2]);
     double metres[2];
     cw_terrain_metres(t, middle[0], middle[1], metres);
@@ -76,8 +80,10 @@ static double least_fall(const sight *s, double left, double right, double top, 
 static double bound_between(const way *w, double a, double b, int level) {
     const sight *s = w->sight;
     const sight_bounds *bounds = s->bounds;
-    const double x0 = way_at(w->place[0], w->step[0], a), x1 = way_at(w->place[0], w->step[0], b);
-    const double y0 = way_at(w->place[1], w->step[1], a), y1 = way_at(w->place[1], w->step[1], b);
+    const double x = s->corner[0], x0 = x + way_at(w->place[0], w->step[0], a),
+                 x1 = x + way_at(w->place[0], w->step[0], b);
+    const double y = s->corner[1], y0 = y + way_at(w->place[1], w->step[1], a),
+                 y1 = y + way_at(w->place[1], w->step[1], b);
     const double most_x = (double)(s->terrain->nx - 1), most_y = (double)(s->terrain->ny - 1);
     /* Samples on either side of the way, and one more for rounding. */
     const double first_x = whole_below(x0 < x1 ? x0 : x1) - 1, last_x = whole_above(x0 < x1 ? x1 : x0) + 1;
@@ -313,11 +319,19 @@ static bool look_for_obstacle(void *context, const crossing *c) {
 /* Where there is no surface, the gap is NaN. */
 static bool look_before(void *context, const crossing *c) {
     obstacle *o = context;
-    if (c->share < o->first && c->share > o->before) {
+    if (c->share < o->first && c->share > fmax(o->before, way_share_error)) { /* not the eye's own sample */
         o->before = c->share;
         o->gap = c->height - c->share * c->way->top;
     }
     return false;
+}
+
+/* By how much the triangle that the eye stands over is lowered there, as its corners are. */
+static double fall_of_triangle(const sight *s) {
+    const double i = floor(s->eye[0]), j = floor(s->eye[1]), x = s->eye[0] - i, y = s->eye[1] - j;
+    const double across = x > y ? x : y, along = x > y ? y : x;
+    return (1 - across) * sight_fall(s, i, j) + (across - along) * sight_fall(s, i + (x > y), j + !(x > y)) +
+           along * sight_fall(s, i + 1, j + 1);
 }
 
 double cw_sight_first_block(const sight *s, double i, double j, double z) {
@@ -326,7 +340,7 @@ double cw_sight_first_block(const sight *s, double i, double j, double z) {
     if (w.length == 0) return INFINITY;
     look_between(&w, 0, 1, look_for_obstacle, &o);
     if (o.first == INFINITY) return INFINITY;
-    o.gap = cw_terrain_height(s->terrain, s->eye[0], s->eye[1]) / s->terrain->map[2][2] - s->eye[2];
+    o.gap = cw_terrain_level(s->terrain, s->eye[0], s->eye[1]) - s->eye[2] - fall_of_triangle(s);
     w.gaps = true;
     look_between(&w, 0, 1, look_before, &o);
     /* Between the two the surface is plane, if the crossing before has one. */

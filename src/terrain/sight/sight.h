@@ -27,7 +27,9 @@ typedef struct sight {
     const terrain *terrain;
     const sight_bounds *bounds;
     double eye[3];
-    double fall[3]; /* lowering at (x, y) from the eye: fall[0] x² + fall[1] x y + fall[2] y² */
+    /* Ways count coordinates from the corner of the eye's cell, so that they have the same bits in any window. */
+    double corner[2], near[2]; /* of the field; and the eye's from there, 0 to 1 */
+    double fall[3];            /* lowering at (x, y) from the eye: fall[0] x² + fall[1] x y + fall[2] y² */
     /* Crossings are lowered, and the ground is straight between them, as headings have it; else samples are, and the
      * triangles stand on them. For rises alone: decisions lower samples. */
     bool at_crossings;
@@ -55,6 +57,8 @@ typedef struct sight_rise {
     double steepest, share;
 } sight_rise;
 sight_rise cw_sight_steepest(const sight *s, double i, double j, double least);
+/* More than of a way's ends is left out, in cells: a way that is so much longer has what lies at its end. */
+#define SIGHT_END 0x1p-26
 
 /* The least share of the way to (i, j) at which something rises as steeply as that, the steepest, but for twice the
  * error of either: of a plane through the eye, all crossings are such ties. */

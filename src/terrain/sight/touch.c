@@ -63,10 +63,11 @@ typedef struct sample {
 
 static void take_sample(const crossing *c, double m, const vector *to_target, sample *out) {
     const sight *s = c->way->sight;
-    const double i = c->kind == WAY_COLUMN ? c->n : m, j = c->kind == WAY_COLUMN ? m
-                                                           : c->kind == WAY_ROW  ? c->n
-                                                                                 : m - c->n;
-    const float *z = way_sample(s->terrain, c->kind, c->n, m);
+    const double i = s->corner[0] + (c->kind == WAY_COLUMN ? c->n : m),
+                 j = s->corner[1] + (c->kind == WAY_COLUMN ? m
+                                     : c->kind == WAY_ROW  ? c->n
+                                                           : m - c->n);
+    const float *z = way_sample(s, c->kind, c->n, m);
     out->exists = z != NULL && isfinite(*z);
     if (!out->exists) return;
     out->at = vector_to(s, i, j);
@@ -79,16 +80,17 @@ static void take_sample(const crossing *c, double m, const vector *to_target, sa
 /* Whether the line is crossed between the ends of the way. */
 static bool is_between(const crossing *c) {
     const way *w = c->way;
-    const double *e = w->sight->eye, *p = w->place, n = c->n;
+    const double *e = w->sight->eye, *p = w->target, *corner = w->sight->corner;
+    const int axis = c->kind == WAY_ROW;
+    const double n = c->n + (c->kind == WAY_DIAGONAL ? corner[0] - corner[1] : corner[axis]);
     if (c->kind != WAY_DIAGONAL) {
-        const int axis = c->kind == WAY_ROW;
         return (e[axis] < n && n < p[axis]) || (p[axis] < n && n < e[axis]);
     }
-    double low;
+    double low, far_low;
     const double high = exact_two_sum(e[0], -e[1], &low);
     /* n is a multiple of high's last digit, so that low counts only if they are equal. */
     const int eye = high < n || (high == n && low < 0) ? -1 : high > n || low > 0 ? 1 : 0;
-    const double far = w->diagonal, far_low = w->diagonal_low;
+    const double far = exact_two_sum(p[0], -p[1], &far_low);
     const int target = far < n || (far == n && far_low < 0) ? -1 : far > n || far_low > 0 ? 1 : 0;
     return eye * target < 0;
 }
@@ -125,7 +127,7 @@ touch cw_touch_at(const crossing *c) {
     const way *w = c->way;
     const sight *s = w->sight;
     if (!is_between(c)) return (touch){.side = -1};
-    const vector to_target = vector_to(s, w->place[0], w->place[1]);
+    const vector to_target = vector_to(s, w->target[0], w->target[1]);
     parts top = difference(w->z, s->eye[2]);
     if (w->above != 0) top.part[top.count++] = w->above;
     if (w->fall != 0) top.part[top.count++] = -w->fall;

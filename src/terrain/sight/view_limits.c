@@ -54,8 +54,9 @@ static bool is_in_sector(const view_limits *l, const double step[2], double slac
     const bool after = to_the_right(l->sector[0], step) >= -room, before = to_the_right(l->sector[1], step) <= room;
     if (!l->narrow) return after || before;
     /* Right of one line and left of the other is the sector, or all of a line if the two are the same. */
-    const double ahead = (l->sector[0][0] + l->sector[1][0]) * step[0] + (l->sector[0][1] + l->sector[1][1]) * step[1];
-    return after && before && ahead > 0;
+    const double(*s)[2] = l->sector;
+    const bool ahead = s[0][0] * step[0] + s[0][1] * step[1] > 0 || s[1][0] * step[0] + s[1][1] * step[1] > 0;
+    return after && before && ahead;
 }
 
 double cw_view_limits_angle(const view_limits *l, double i, double j, double rise) {

@@ -206,9 +206,9 @@ cw_status cw_viewshed_from(const sight *s, const cw_observer *from, const cw_run
 static cw_status find_eye(const terrain *t, const cw_observer *from, double eye[3]) {
     if (!cw_terrain_find_place(t, from->x, from->y, eye))
         return cw_fail(CW_ERROR_ARGUMENT, "x, y: (%.10g, %.10g) is too far away from the terrain", from->x, from->y);
-    const double ground = cw_terrain_height(t, eye[0], eye[1]), metres = terrain_metres_of_height(t);
-    const double height = from->absolute ? from->height : ground + from->height;
-    eye[2] = height / metres;
+    const double level = cw_terrain_level(t, eye[0], eye[1]), metres = terrain_metres_of_height(t);
+    const double ground = level * metres, height = from->absolute ? from->height : ground + from->height;
+    eye[2] = (from->absolute ? 0 : level) + from->height / metres;
     if (height < ground - TERRAIN_LEAST_DEPTH)
         return cw_fail(CW_ERROR_ARGUMENT,
                        "height: %.10g m is under the ground, which is %.10g m high at (%.10g, %.10g)", height, ground,

@@ -12,9 +12,11 @@
 
 #include <math.h>
 
-/* place[a] + share step[a] is where the way is, share being 0 at the target and 1 at the eye. */
+/* place[a] + share step[a] is where the way is, from the corner of the eye's cell; share is 0 at the target, 1 at the
+ * eye. Lines are numbered from there, too. */
 typedef struct way {
     const sight *sight;
+    double target[2]; /* of the field, exact; place: rounded */
     double place[2], step[2];
     double length; /* cells along the longer axis */
     int longer;
@@ -52,17 +54,19 @@ typedef struct crossing {
  * is less than half of slack. A height over the line is off by 2^-49 of each of its parts and the line's; the
  * lowering enters by the square of a share. rough exceeds the sum of these, without the edge's own heights. */
 static inline way way_to(const sight *s, double i, double j, double z, double above) {
-    way w = {.sight = s, .place = {i, j}, .step = {s->eye[0] - i, s->eye[1] - j}, .z = z, .above = above};
+    way w = {.sight = s, .target = {i, j}, .step = {s->eye[0] - i, s->eye[1] - j}, .z = z, .above = above};
+    w.place[0] = i - s->corner[0];
+    w.place[1] = j - s->corner[1];
     const double x = fabs(w.step[0]), y = fabs(w.step[1]);
     w.longer = y > x;
     w.length = w.longer ? y : x;
     w.fall = sight_fall(s, i, j);
     w.top = z + above - s->eye[2] - w.fall;
     double eye_low;
-    const double eye_diagonal = exact_two_sum(s->eye[0], -s->eye[1], &eye_low);
-    w.diagonal = exact_two_sum(i, -j, &w.diagonal_low);
+    const double eye_diagonal = exact_two_sum(s->near[0], -s->near[1], &eye_low);
+    w.diagonal = exact_two_sum(w.place[0], -w.place[1], &w.diagonal_low);
     w.across = (eye_diagonal - w.diagonal) + (eye_low - w.diagonal_low);
-    w.slack = 0x1p-48 * (x + y) + 0x1p-51 * (fabs(i) + fabs(j));
+    w.slack = 0x1p-48 * (x + y) + 0x1p-51 * (fabs(w.place[0]) + fabs(w.place[1]));
     const double falls = fabs(s->fall[0]) + fabs(s->fall[1]) + fabs(s->fall[2]), far = x + y + 2;
     w.rough = 0x1p-48 * (fabs(z) + fabs(above) + fabs(s->eye[2]) + falls * far * far) + w.slack * falls;
     return w;
@@ -81,10 +85,11 @@ static inline double whole_below(double x) {
 static inline double whole_above(double x) { return -whole_below(-x); }
 
 /* The sample number m along a line, or NULL outside the field. */
-static inline const float *way_sample(const terrain *t, int kind, double n, double m) {
-    const double i = kind == WAY_COLUMN ? n : m, j = kind == WAY_COLUMN ? m : kind == WAY_ROW ? n : m - n;
-    if (!(i >= 0 && j >= 0 && i < (double)t->nx && j < (double)t->ny)) return NULL;
-    return terrain_row(t, (size_t)j) + (size_t)i;
+static inline const float *way_sample(const sight *s, int kind, double n, double m) {
+    const terrain *t = s->terrain;
+    const double x = kind == WAY_COLUMN ? n : m, y = kind == WAY_COLUMN ? m : kind == WAY_ROW ? n : m - n;
+    const size_t i = (size_t)((long)x + (long)s->corner[0]), j = (size_t)((long)y + (long)s->corner[1]); /* < 0 wraps */
+    return i < t->nx && j < t->ny ? terrain_row(t, j) + i : NULL;
 }
 
 /* The surface at a crossing. The lowering is a quadratic form q around the eye: q(s v) = s² q(v), and a mean of its
@@ -95,15 +100,14 @@ static inline void way_height(crossing *c) {
     double first = whole_below(c->other + 0.5);
     c->at_sample = fabs(c->other - first) <= w->slack;
     if (!c->at_sample) first = whole_below(c->other);
-    const float *z = way_sample(s->terrain, c->kind, c->n, first),
-                *next = way_sample(s->terrain, c->kind, c->n, first + 1);
+    const float *z = way_sample(s, c->kind, c->n, first), *next = way_sample(s, c->kind, c->n, first + 1);
     c->height = NAN;
     if (z == NULL || !(c->at_sample || next)) return;
     double height = (double)*z;
     if (c->at_sample) {
-        const float *before = way_sample(s->terrain, c->kind, c->n, first - 1);
-        c->steps = next ? fabs((double)*next - height) : 0;
-        if (before) c->steps = fmax(c->steps, fabs((double)*before - height)); /* holes do not count */
+        const float *before = way_sample(s, c->kind, c->n, first - 1);
+        c->steps = next ? fmax(fabs((double)*next - height), 0) : 0; /* holes do not count */
+        if (before) c->steps = fmax(c->steps, fabs((double)*before - height));
     } else {
         const double along = c->other - first, step = (double)*next - height;
         const double edge = s->at_crossings         ? 0

@@ -17,7 +17,7 @@ static way_out look_toward(const sight *s, double azimuth, double max_distance) 
     way_out w;
     w.metres = cw_terrain_direction(t, s->eye[0], s->eye[1], azimuth, w.dir);
     w.steps = cw_terrain_steps_out(t, s->eye, w.dir);
-    if (max_distance > 0) w.steps = fmin(w.steps, max_distance / w.metres);
+    if (max_distance > 0) w.steps = fmin(w.steps, max_distance / w.metres + SIGHT_END);
     for (int a = 0; a < 2; a++) w.to[a] = s->eye[a] + w.steps * w.dir[a];
     return w;
 }

@@ -112,8 +112,8 @@ static int run(int argc, char **argv) {
         option_flag("angle", &c.angle,
                     "write the angle of the target above the eye's horizontal, in degrees (float32; NaN: not seen)"),
         option_flag("needed", &c.needed,
-                    "write the height above ground, in metres, from which on a target is seen; 0 where the ground "
-                    "itself is (float32; NaN: no data or too far)"),
+                    "write the height above ground, in metres, from which on nothing rises above the line to a "
+                    "target (float32; NaN: no data or too far)"),
         option_flag("bands", &c.bands,
                     "write a band for each observer instead of counts; also with --angle and --needed"),
         option_text(
