@@ -2,10 +2,9 @@
 /* GDAL and the libraries behind it have many ways to the network, and a file can trigger most of them. All begin with a
  * socket, so the kernel refuses to make one: a seccomp filter of system calls.
  *
- * Sockets of the family AF_UNIX are refused as well. The name services behind some of them (nscd, systemd-resolved)
- * send requests for whoever connects, and no library here requires one. A list of network families would miss AF_VSOCK
- * and those to come. io_uring makes sockets without the system call. System calls of another architecture (i386 on
- * x86-64) have other numbers, and the program makes none. */
+ * All families are refused: a list would miss AF_VSOCK and later ones, and behind some AF_UNIX sockets a name service
+ * (nscd, systemd-resolved) uses the network. No library of the program requires a socket. io_uring is refused too, as
+ * it makes sockets without that call. Calls of another architecture have other numbers; the program makes none. */
 
 #include "network.h"
 

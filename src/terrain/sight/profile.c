@@ -69,15 +69,14 @@ static void drop_doubles(profile *p) {
 cw_status cw_profile_add(profile *p, const sight *s, double i, double j, double z, double first, double last) {
     const terrain *t = s->terrain;
     const way w = way_to(s, i, j, z, 0);
-    const double metres = terrain_metres_of_height(t);
     /* Shares from the target; a crossing at the border of two parts is in both. */
     const double begin = 1 - last - 2 * way_share_error, end = 1 - first + 2 * way_share_error;
-    bool good = first > 0 || put(p, 0, cw_terrain_height(t, s->eye[0], s->eye[1]) / metres);
+    bool good = first > 0 || put(p, 0, cw_terrain_level(t, s->eye[0], s->eye[1]));
     if (w.length > 0) {
         good = good && put_crossings(p, &w, WAY_COLUMN, w.place[0], 0, w.step[0], begin, end) &&
                put_crossings(p, &w, WAY_ROW, w.place[1], 0, w.step[1], begin, end) &&
                put_crossings(p, &w, WAY_DIAGONAL, w.diagonal, w.diagonal_low, w.across, begin, end) &&
-               (last < 1 || put(p, 1, cw_terrain_height(t, i, j) / metres));
+               (last < 1 || put(p, 1, cw_terrain_level(t, i, j)));
     }
     return good ? CW_OK : cw_fail_plainly(CW_ERROR_MEMORY);
 }

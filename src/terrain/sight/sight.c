@@ -190,7 +190,7 @@ static bool is_clear(const sight *s) {
             low = z < low ? z : low;
             high = z > high ? z : high;
         }
-    const double ground = cw_terrain_height(t, s->eye[0], s->eye[1]) / t->map[2][2];
+    const double ground = cw_terrain_level(t, s->eye[0], s->eye[1]);
     return ground + 2 * clear_of_edges * (high - low) < s->eye[2];
 }
 
@@ -328,7 +328,7 @@ static bool look_before(void *context, const crossing *c) {
 
 /* By how much the triangle that the eye stands over is lowered there, as its corners are. */
 static double fall_of_triangle(const sight *s) {
-    const double i = floor(s->eye[0]), j = floor(s->eye[1]), x = s->eye[0] - i, y = s->eye[1] - j;
+    const double i = s->corner[0], j = s->corner[1], x = s->near[0], y = s->near[1];
     const double across = x > y ? x : y, along = x > y ? y : x;
     return (1 - across) * sight_fall(s, i, j) + (across - along) * sight_fall(s, i + (x > y), j + !(x > y)) +
            along * sight_fall(s, i + 1, j + 1);

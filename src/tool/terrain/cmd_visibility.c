@@ -125,11 +125,10 @@ static int run(int argc, char **argv) {
         option_metres("max-distance", &c.desc.max_distance,
                       "what is farther away than D metres does not count (default: no limit)"),
         product_round_earth_row(&c.desc.curvature),
-        option_count(
-            "every", "K", &c.every, 1, 1 << 20,
-            "eyes at every K-th column and row, on the land in full: a raster of cells K times as wide, 8 "
-            "times as fast for K = 4 and some 20 times for 16, but no faster beyond; from a 64th of the columns "
-            "on K takes more memory"),
+        option_count("every", "K", &c.every, 1, 1 << 20,
+                     "eyes at every K-th column and row, on the land in full: a raster of cells K times as wide. K = 4 "
+                     "is 8 times as fast, 16 some 20 times; more is no faster, and needs more memory from 1/64 of the "
+                     "columns on"),
     };
     const options_usage usage = {
         .name = name,

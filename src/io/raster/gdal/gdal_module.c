@@ -75,8 +75,8 @@ void gdal_leave(const bool *entered) {
     CPLPopErrorHandler();
 }
 
-/* GDAL forgets errors of its own threads: a tile that one could not compress for lack of memory is just missing. Errors
- * of the calling thread do not come here. */
+/* GDAL loses errors of its worker threads: if one has no memory to compress a tile, the file lacks that tile. Errors of
+ * the calling thread do not come here. */
 static atomic_bool thread_fails, thread_failed;
 
 static void CPL_STDCALL note_error(CPLErr class, CPLErrorNum number, const char *text) {
