@@ -45,12 +45,7 @@ static exact_sum cross(const vector *a, const vector *b) {
 
 static void add_times(exact_sum *s, const exact_sum *a, const parts *height, double sign) {
     for (int k = 0; k < a->count; k++)
-        for (int l = 0; l < height->count; l++) {
-            double error;
-            const double product = exact_two_product(sign * a->parts[k], height->part[l], &error);
-            if (error != 0) exact_add(s, error);
-            if (product != 0) exact_add(s, product);
-        }
+        for (int l = 0; l < height->count; l++) exact_add_product(s, sign * a->parts[k], height->part[l]);
 }
 
 /* A sample on the line, if there is one: its place and its height. */
@@ -77,22 +72,23 @@ static void take_sample(const crossing *c, double m, const vector *to_target, sa
     out->side = cross(to_target, &out->at);
 }
 
+/* The sign of a - b - n. n is a multiple of high's last digit, so that low counts only if they are equal. */
+static int side_of(double a, double b, double n) {
+    double low;
+    const double high = exact_two_sum(a, -b, &low), over = high == n ? low : high - n;
+    return (over > 0) - (over < 0);
+}
+
 /* Whether the line is crossed between the ends of the way. */
 static bool is_between(const crossing *c) {
-    const way *w = c->way;
-    const double *e = w->sight->eye, *p = w->target, *corner = w->sight->corner;
-    const int axis = c->kind == WAY_ROW;
-    const double n = c->n + (c->kind == WAY_DIAGONAL ? corner[0] - corner[1] : corner[axis]);
-    if (c->kind != WAY_DIAGONAL) {
-        return (e[axis] < n && n < p[axis]) || (p[axis] < n && n < e[axis]);
+    const double *eye = c->way->sight->eye, *target = c->way->target, *corner = c->way->sight->corner;
+    if (c->kind == WAY_DIAGONAL) {
+        const double n = c->n + (corner[0] - corner[1]);
+        return side_of(eye[0], eye[1], n) * side_of(target[0], target[1], n) < 0;
     }
-    double low, far_low;
-    const double high = exact_two_sum(e[0], -e[1], &low);
-    /* n is a multiple of high's last digit, so that low counts only if they are equal. */
-    const int eye = high < n || (high == n && low < 0) ? -1 : high > n || low > 0 ? 1 : 0;
-    const double far = exact_two_sum(p[0], -p[1], &far_low);
-    const int target = far < n || (far == n && far_low < 0) ? -1 : far > n || far_low > 0 ? 1 : 0;
-    return eye * target < 0;
+    const int axis = c->kind == WAY_ROW;
+    const double n = c->n + corner[axis];
+    return side_of(eye[axis], 0, n) * side_of(target[axis], 0, n) < 0;
 }
 
 /* over times sign is how far the surface is above the line, times something positive; over it is over / per_height. */
