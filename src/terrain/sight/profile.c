@@ -19,28 +19,19 @@ static bool put(profile *p, double share, double ground) {
     return true;
 }
 
-/* Crossings with the lines of a kind, which the way passes from place `from` on in steps `step`, in the part from begin
- * to end as seen from the target; the way's ends are left out. */
-static bool put_crossings(profile *p, const way *w, int kind, double from, double from_low, double step, double begin,
-                          double end) {
-    if (step == 0) return true;
-    const double per_step = 1 / step, first = way_at(from, step, begin), last = way_at(from, step, end);
-    /* The lines next to the part, too: its ends are rounded. */
-    const double low = whole_below(fmin(first, last)), high = whole_above(fmax(first, last));
-    const int other = kind == WAY_COLUMN ? 1 : 0;
-    for (double n = low; n <= high; n++) {
-        const double share = (n - from - from_low) * per_step;
-        if (!(share > 0 && share < 1 && share >= begin && share <= end)) continue;
-        crossing c = {.way = w,
-                      .kind = kind,
-                      .n = n,
-                      .other = way_at(w->place[other], w->step[other], share),
-                      .share = 1 - share};
-        way_height(&c);
-        const double ground = c.height + (w->sight->eye[2] + c.share * c.share * w->fall);
-        if (!put(p, c.share, isfinite(ground) ? ground : NAN)) return false;
-    }
-    return true;
+/* A part of the way by its shares. A crossing at the border of two parts is in both. */
+typedef struct part {
+    profile *to;
+    double first, last;
+    bool failed;
+} part;
+
+static bool put_crossing(void *context, const crossing *c) {
+    part *p = context;
+    /* The way's ends are left out. */
+    if (!(c->share > 0 && c->share >= p->first && c->share <= p->last)) return false;
+    const double ground = c->height + (c->way->sight->eye[2] + c->share * c->share * c->way->fall);
+    return p->failed = !put(p->to, c->share, isfinite(ground) ? ground : NAN);
 }
 
 static int compare(const void *a, const void *b) {
@@ -68,15 +59,13 @@ static void drop_doubles(profile *p) {
 
 cw_status cw_profile_add(profile *p, const sight *s, double i, double j, double z, double first, double last) {
     const terrain *t = s->terrain;
-    const way w = way_to(s, i, j, z, 0);
-    /* Shares from the target; a crossing at the border of two parts is in both. */
-    const double begin = 1 - last - 2 * way_share_error, end = 1 - first + 2 * way_share_error;
+    way w = way_to(s, i, j, z, 0);
+    w.gaps = true;
+    part some = {.to = p, .first = first - 2 * way_share_error, .last = last + 2 * way_share_error};
     bool good = first > 0 || put(p, 0, cw_terrain_level(t, s->eye[0], s->eye[1]));
-    if (w.length > 0) {
-        good = good && put_crossings(p, &w, WAY_COLUMN, w.place[0], 0, w.step[0], begin, end) &&
-               put_crossings(p, &w, WAY_ROW, w.place[1], 0, w.step[1], begin, end) &&
-               put_crossings(p, &w, WAY_DIAGONAL, w.diagonal, w.diagonal_low, w.across, begin, end) &&
-               (last < 1 || put(p, 1, cw_terrain_level(t, i, j)));
+    if (good && w.length > 0) {
+        look_between(&w, 1 - some.last, 1 - some.first, put_crossing, &some);
+        good = !some.failed && (last < 1 || put(p, 1, cw_terrain_level(t, i, j)));
     }
     return good ? CW_OK : cw_fail_plainly(CW_ERROR_MEMORY);
 }

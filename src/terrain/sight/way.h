@@ -12,34 +12,33 @@
 
 #include <math.h>
 
+/* The kinds of lines that edges lie on: each has its number x = n, y = n or x - y = n. */
+enum { WAY_COLUMN, WAY_ROW, WAY_DIAGONAL, WAY_KINDS };
+
 /* place[a] + share step[a] is where the way is, from the corner of the eye's cell; share is 0 at the target, 1 at the
- * eye. Lines are numbered from there, too. */
+ * eye. a is 0 for x, 1 for y, and 2, a WAY_DIAGONAL, for x - y. Lines are numbered from there, too. */
 typedef struct way {
     const sight *sight;
     double target[2]; /* of the field, exact; place: rounded */
-    double place[2], step[2];
-    double length; /* cells along the longer axis */
+    double place[WAY_KINDS], step[WAY_KINDS];
+    double place_low; /* the error of the rounded difference x - y at the target */
+    double length;    /* cells along the longer axis */
     int longer;
-    double z, above;               /* the target's height is z + above, in the samples' numbers */
-    double fall;                   /* the lowering at the target */
-    double top;                    /* the target's height over the eye, lowered: z + above - eye - fall, rounded */
-    double diagonal, diagonal_low; /* x - y at the target: a rounded difference and its error */
-    double across;                 /* how much x - y grows from the target to the eye */
-    double slack;                  /* computed places are within so many cells of the true ones */
-    double rough; /* the bound on the error of a height over the line, without the part of the edge's own heights */
-    bool gaps;    /* crossings where there is no surface are seen, too */
+    double z, above; /* the target's height is z + above, in the samples' numbers */
+    double fall;     /* the lowering at the target */
+    double top;      /* the target's height over the eye, lowered: z + above - eye - fall, rounded */
+    double slack;    /* computed places are within so many cells of the true ones */
+    double rough;    /* the bound on the error of a height over the line, without the part of the edge's own heights */
+    bool gaps;       /* crossings where there is no surface are seen, too */
 } way;
 
 /* Computed shares of the way are within this of the true ones. */
 static const double way_share_error = 0x1p-49;
 
-/* The kinds of lines that edges lie on. */
-enum { WAY_COLUMN, WAY_ROW, WAY_DIAGONAL };
-
 typedef struct crossing {
     const way *way;
     int kind;
-    double n;      /* of the line: x = n, y = n or x - y = n */
+    double n;      /* of the line */
     double other;  /* the place on it: y, or x on a row or a diagonal */
     double share;  /* of the way, from the eye */
     double height; /* of the surface over the eye, lowered; NaN where there is no surface */
@@ -64,8 +63,8 @@ static inline way way_to(const sight *s, double i, double j, double z, double ab
     w.top = z + above - s->eye[2] - w.fall;
     double eye_low;
     const double eye_diagonal = exact_two_sum(s->near[0], -s->near[1], &eye_low);
-    w.diagonal = exact_two_sum(w.place[0], -w.place[1], &w.diagonal_low);
-    w.across = (eye_diagonal - w.diagonal) + (eye_low - w.diagonal_low);
+    w.place[WAY_DIAGONAL] = exact_two_sum(w.place[0], -w.place[1], &w.place_low);
+    w.step[WAY_DIAGONAL] = (eye_diagonal - w.place[WAY_DIAGONAL]) + (eye_low - w.place_low);
     w.slack = 0x1p-48 * (x + y) + 0x1p-51 * (fabs(w.place[0]) + fabs(w.place[1]));
     const double falls = fabs(s->fall[0]) + fabs(s->fall[1]) + fabs(s->fall[2]), far = x + y + 2;
     w.rough = 0x1p-48 * (fabs(z) + fabs(above) + fabs(s->eye[2]) + falls * far * far) + w.slack * falls;
@@ -133,24 +132,17 @@ static inline bool way_see(const way *w, int kind, double n, double share, doubl
  * is lost between two stretches. */
 static inline bool look_between(const way *w, double a, double b, way_look *look, void *context) {
     const double *p = w->place, *d = w->step;
-    for (int axis = 0; axis < 2; axis++) {
-        if (d[axis] == 0) continue; /* along the lines */
-        const double from = way_at(p[axis], d[axis], a), to = way_at(p[axis], d[axis], b), per_step = 1 / d[axis];
+    for (int kind = WAY_COLUMN; kind < WAY_KINDS; kind++) {
+        if (d[kind] == 0) continue; /* along the lines */
+        const double from = way_at(p[kind], d[kind], a), to = way_at(p[kind], d[kind], b), per_step = 1 / d[kind];
         const double low = whole_above((from < to ? from : to) - w->slack),
                      high = whole_below((from < to ? to : from) + w->slack);
+        const double place_low = kind == WAY_DIAGONAL ? w->place_low : 0;
+        const int other = kind == WAY_COLUMN ? 1 : 0;
         for (double n = low; n <= high; n++) {
-            const double share = (n - p[axis]) * per_step, other = way_at(p[1 - axis], d[1 - axis], share);
-            if (way_see(w, axis ? WAY_ROW : WAY_COLUMN, n, share, other, look, context)) return true;
+            const double share = (n - p[kind] - place_low) * per_step;
+            if (way_see(w, kind, n, share, way_at(p[other], d[other], share), look, context)) return true;
         }
-    }
-    if (w->across == 0) return false;
-    const double from = way_at(w->diagonal, w->across, a), to = way_at(w->diagonal, w->across, b),
-                 per_step = 1 / w->across;
-    const double low = whole_above((from < to ? from : to) - w->slack),
-                 high = whole_below((from < to ? to : from) + w->slack);
-    for (double n = low; n <= high; n++) {
-        const double share = (n - w->diagonal - w->diagonal_low) * per_step;
-        if (way_see(w, WAY_DIAGONAL, n, share, way_at(p[0], d[0], share), look, context)) return true;
     }
     return false;
 }
