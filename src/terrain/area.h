@@ -20,9 +20,9 @@ static inline bool cw_terrain_enter(const terrain *t, door_pass *in) {
     return t->field == NULL || cw_field_enter(t->field, in);
 }
 
-/* The run of number k of count equal parts; *part is its room. */
-static inline cw_run cw_run_share(run_part *part, const cw_run *whole, size_t k, size_t count) {
-    *part = (run_part){whole, (double)k / (double)count, (double)(k + 1) / (double)count};
+/* The run of items from begin to end of count; *part is its room. */
+static inline cw_run cw_run_share(run_part *part, const cw_run *whole, size_t begin, size_t end, size_t count) {
+    *part = (run_part){whole, (double)begin / (double)count, (double)end / (double)count};
     return cw_run_part_of(part);
 }
 

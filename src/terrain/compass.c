@@ -74,8 +74,7 @@ cw_status cw_compass_make(compass *c, cw_area area, const cw_run *how, size_t by
     for (size_t y = 0; y < all.ny && status == CW_OK;) {
         cw_rectangle at = {all.i, all.j + y, all.nx, most < all.ny - y ? most : all.ny - y};
         turn(c, &at);
-        run_part part = {how, (double)y / (double)all.ny, (double)(y + at.ny) / (double)all.ny};
-        const cw_run run = cw_run_part_of(&part);
+        const cw_run run = cw_run_share(&(run_part){0}, how, y, y + at.ny, all.ny);
         char *to = (char *)out + y * gap;
         status = fill(context, &run, at, gap > row ? packed : to, memory);
         for (size_t k = 0; k < at.ny && gap > row && status == CW_OK; k++) memcpy(to + k * gap, packed + k * row, row);

@@ -142,15 +142,15 @@ static cw_status fill_angles(void *context, const cw_run *run, cw_rectangle at, 
     horizon *h = context;
     (void)room;
     compass_way way;
-    run_part part = {run, 0, h->bounds ? 0.1 : 1}, rest = {run, 0.1, 1};
-    const cw_run some = cw_run_part_of(&part), far = cw_run_part_of(&rest);
+    const cw_run some = cw_run_part_of(&(run_part){run, 0, h->bounds ? 0.1 : 1});
     cw_status status = cw_compass_look(&h->compass, h->number, &way);
     if (status == CW_OK) status = cw_heading_steepest(way.heading, &some, -INFINITY, INFINITY, at, to);
     if (status != CW_OK) return status;
     if (h->bounds) {
         door_pass in;
         if (!cw_terrain_enter(h->terrain, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
-        status = cw_run_work(&far, at.nx * at.ny, FEW, FEW, locate_some, &(locating){h, at, &way, to});
+        const cw_run rest = cw_run_part_of(&(run_part){run, 0.1, 1});
+        status = cw_run_work(&rest, at.nx * at.ny, FEW, FEW, locate_some, &(locating){h, at, &way, to});
         cw_field_leave(in);
         return status;
     }
@@ -256,8 +256,7 @@ static cw_status fill_sum(void *context, const cw_run *run, cw_rectangle at, voi
     memset(a.sum, 0, n * sizeof *a.sum);
     for (size_t k = 0; k < directions; k++) {
         compass_way way;
-        run_part part;
-        const cw_run one = cw_run_share(&part, run, k, directions);
+        const cw_run one = cw_run_share(&(run_part){0}, run, k, k + 1, directions);
         cw_status status = cw_compass_look(&h->compass, k, &way);
         /* Terrain below the level hides nothing of the sky. */
         const float low = h->opens ? -INFINITY : 0;

@@ -141,8 +141,7 @@ static cw_status fill_share(void *context, const cw_run *run, cw_rectangle at, v
     float *share = to, *work = room;
     for (size_t m = 0; m < n; m++) share[m] = 0;
     for (size_t k = 0; k < s->compass.count; k++) {
-        run_part part;
-        const cw_run some = cw_run_share(&part, run, k, s->compass.count);
+        const cw_run some = cw_run_share(&(run_part){0}, run, k, k + 1, s->compass.count);
         const cw_status status = add_strip(s, &some, k, at, work, share);
         if (status != CW_OK) return status;
     }

@@ -90,14 +90,12 @@ static cw_status add_directions(finding *f, const cw_run *run) {
     while (eyes_before(f, start + cw_terrain_rows_alike(f->whole, start)) == 0)
         start += cw_terrain_rows_alike(f->whole, start);
     for (size_t k = 0; k < f->directions; k++) {
-        run_part whole;
-        const cw_run direction = cw_run_share(&whole, run, k, f->directions);
+        const cw_run direction = cw_run_share(&(run_part){0}, run, k, k + 1, f->directions);
         for (size_t from = start, until, row = 0, end; row < f->ny; from = until, row = end) {
             until = from + cw_terrain_rows_alike(f->whole, from);
             end = eyes_before(f, until);
-            run_part part = {&direction, (double)row / (double)f->ny, (double)end / (double)f->ny};
-            const cw_run some = cw_run_part_of(&part);
             if (end == row) continue;
+            const cw_run some = cw_run_share(&(run_part){0}, &direction, row, end, f->ny);
             const cw_status status = add_direction(f, &some, k, row, end - row, 0.5 * (double)(from + until - 1));
             if (status != CW_OK) return status;
         }

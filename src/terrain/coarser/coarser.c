@@ -124,11 +124,11 @@ static cw_status make_samples(maker *m, size_t ny, const cw_run *how) {
 /* Shares of the watch: the samples are read once for each of the three. */
 static cw_status make(maker *m, const cw_field *full, size_t ny, const cw_run *how, cw_field **coarser,
                       cw_difference *difference) {
-    run_part part = {how, 0, difference ? 0.4 : 0.8};
-    const cw_run sampling = cw_run_part_of(&part);
+    const double made = difference ? 0.4 : 0.8, built = difference ? 0.5 : 1;
+    const cw_run sampling = cw_run_part_of(&(run_part){how, 0, made});
+    const cw_run building = cw_run_part_of(&(run_part){how, made, built});
+    const cw_run measuring = cw_run_part_of(&(run_part){how, built, 1});
     cw_status status = make_samples(m, ny, &sampling);
-    run_part rest = {how, part.end, difference ? 0.5 : 1};
-    const cw_run building = cw_run_part_of(&rest);
     cw_field_desc desc = {.samples = m->z, .nx = m->nx, .ny = ny, .storage = CW_COPY};
     const cw_field_info info = cw_field_describe(full); /* whose map ties the field to user space */
     memcpy(desc.map, info.map, sizeof desc.map);
@@ -137,10 +137,8 @@ static cw_status make(maker *m, const cw_field *full, size_t ny, const cw_run *h
     if (status == CW_OK) status = cw_field_create(&desc, &building, coarser);
     large_release(m->z);
     if (status != CW_OK || difference == NULL) return status;
-    run_part last = {how, rest.end, 1};
-    const cw_run measuring = cw_run_part_of(&last);
-    const struct samples made = samples_of(*coarser);
-    status = cw_difference_measure(m->full, &made, m->factor, &measuring, difference);
+    const struct samples z = samples_of(*coarser);
+    status = cw_difference_measure(m->full, &z, m->factor, &measuring, difference);
     if (status == CW_OK) return status;
     cw_field_destroy(*coarser);
     *coarser = NULL;

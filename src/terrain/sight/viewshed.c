@@ -36,11 +36,11 @@ static inline size_t place_of(const job *q, size_t i, size_t j) {
 /* The target's height over the eye, lowered. */
 static double rise_of(const viewshed *v, size_t i, size_t j) { return cw_sight_sample(v->sight, i, j) + v->target; }
 
-static inline bool is_seen(const viewshed *v, size_t i, size_t j, const sweep_way *way) {
-    if (v->limits.any && !cw_view_limits_have(&v->limits, (double)i, (double)j, rise_of(v, i, j))) return false;
-    const double z = (double)terrain_row(v->sight->terrain, j)[i];
-    return (way->unsure.close == 0 && !way->unsure.eye) ||
-           cw_sight_sees(v->sight, (double)i, (double)j, z, v->target, way->unsure);
+/* The number of the output of a sample, or SIZE_MAX if that does not count. */
+static inline size_t place_of_target(const job *q, size_t i, size_t j) {
+    const view_limits *l = &q->v->limits;
+    if (l->any && !cw_view_limits_have(l, (double)i, (double)j, q->heights ? 0 : rise_of(q->v, i, j))) return SIZE_MAX;
+    return place_of(q, i, j);
 }
 
 static void put_seen(const job *q, size_t i, size_t j, size_t k) {
@@ -52,17 +52,12 @@ static void put_seen(const job *q, size_t i, size_t j, size_t k) {
 
 static void see_sample(void *context, size_t i, size_t j, const sweep_way *way) {
     const job *q = context;
-    const size_t k = place_of(q, i, j);
-    if (k != SIZE_MAX && is_seen(q->v, i, j, way)) put_seen(q, i, j, k);
-}
-
-/* The number of the output of a span's sample k, or SIZE_MAX if that does not count. */
-static inline size_t place_in(const job *q, const sweep_span *s, size_t k) {
-    const viewshed *v = q->v;
-    const size_t i = s->down ? s->i : s->i + k, j = s->down ? s->j + k : s->j;
-    if (v->limits.any && !cw_view_limits_have(&v->limits, (double)i, (double)j, q->heights ? 0 : rise_of(v, i, j)))
-        return SIZE_MAX;
-    return place_of(q, i, j);
+    const sight *s = q->v->sight;
+    const size_t k = place_of_target(q, i, j);
+    if (k == SIZE_MAX) return;
+    if ((way->unsure.close == 0 && !way->unsure.eye) ||
+        cw_sight_sees(s, (double)i, (double)j, (double)terrain_row(s->terrain, j)[i], q->v->target, way->unsure))
+        put_seen(q, i, j, k);
 }
 
 static uint64_t see_span(void *context, const sweep_span *s) {
@@ -72,11 +67,12 @@ static uint64_t see_span(void *context, const sweep_span *s) {
     const bool plain = !q->v->limits.any && !q->to.sum && !q->to.angle && first != SIZE_MAX && last != SIZE_MAX;
     const size_t step = s->down ? q->area.stride : 1;
     for (uint64_t left = s->which; left != 0; left &= left - 1) {
-        const size_t k = (size_t)__builtin_ctzll(left), at = plain ? first + k * step : place_in(q, s, k);
+        const size_t k = (size_t)__builtin_ctzll(left), i = s->down ? s->i : s->i + k, j = s->down ? s->j + k : s->j;
+        const size_t at = plain ? first + k * step : place_of_target(q, i, j);
         if (plain)
             q->to.seen[at]++;
         else if (at != SIZE_MAX)
-            put_seen(q, s->down ? s->i : s->i + k, s->down ? s->j + k : s->j, at);
+            put_seen(q, i, j, at);
     }
     return 0;
 }
@@ -90,16 +86,16 @@ static bool is_sure(double x, double error) {
 
 static void measure_sample(void *context, size_t i, size_t j, const sweep_way *way) {
     const job *q = context;
-    const viewshed *v = q->v;
-    const size_t k = place_of(q, i, j);
-    if (k == SIZE_MAX || (v->limits.any && !cw_view_limits_have(&v->limits, (double)i, (double)j, 0))) return;
-    const double z = (double)terrain_row(v->sight->terrain, j)[i], metres = v->sight->terrain->map[2][2];
+    const sight *s = q->v->sight;
+    const size_t k = place_of_target(q, i, j);
+    if (k == SIZE_MAX) return;
+    const double z = (double)terrain_row(s->terrain, j)[i], metres = s->terrain->map[2][2];
     double need = NAN, low = way->low;
     if (way->known) {
-        need = cw_sight_need_known(v->sight, (double)i, (double)j, z, way->rise, way->error, way->unsure);
+        need = cw_sight_need_known(s, (double)i, (double)j, z, way->rise, way->error, way->unsure);
         low = fmax(low, way->rise - way->error); /* where the skyline has a step, the error is large */
     }
-    if (!is_sure(need * metres, way->error * metres)) need = cw_sight_need(v->sight, (double)i, (double)j, z, low);
+    if (!is_sure(need * metres, way->error * metres)) need = cw_sight_need(s, (double)i, (double)j, z, low);
     q->to.needed[k] = (float)(need * metres);
 }
 
@@ -118,8 +114,9 @@ static uint64_t measure_span(void *context, const sweep_span *s) {
         needs[k] = (float)need;
     }
     for (size_t k = 0; k < s->count; k++) {
-        const size_t at = place_in(q, s, k);
-        if (at == SIZE_MAX || !(s->which >> k & 1)) continue;
+        if (!(s->which >> k & 1)) continue;
+        const size_t at = place_of_target(q, s->down ? s->i : s->i + k, s->down ? s->j + k : s->j);
+        if (at == SIZE_MAX) continue;
         if (s->rise && open[k])
             left |= (uint64_t)1 << k;
         else
@@ -161,9 +158,8 @@ static cw_status sweep(const viewshed *v, const cw_run *run, cw_area area, const
     if (status != CW_OK) return status;
     size_t own[2];
     if (!own_sample(v, own)) return CW_OK;
-    const size_t k = place_of(&q, own[0], own[1]);
-    const double rise = heights ? 0 : rise_of(v, own[0], own[1]);
-    if (k == SIZE_MAX || !cw_view_limits_have(&v->limits, (double)own[0], (double)own[1], rise)) return CW_OK;
+    const size_t k = place_of_target(&q, own[0], own[1]);
+    if (k == SIZE_MAX) return CW_OK;
     if (heights)
         to->needed[k] = 0;
     else

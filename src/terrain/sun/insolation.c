@@ -230,8 +230,7 @@ static cw_status fill(void *context, const cw_run *run, cw_rectangle at, void *t
         cw_pool_run(run->pool, n, GRAIN, find_lie, &a);
     }
     for (size_t k = 0; k < s->compass.count; k++) {
-        run_part way;
-        const cw_run one = cw_run_share(&way, run, k, s->compass.count);
+        const cw_run one = cw_run_share(&(run_part){0}, run, k, k + 1, s->compass.count);
         const cw_status status = add_sector(s, &one, k, &a);
         if (status != CW_OK) return status;
     }
