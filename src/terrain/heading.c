@@ -9,12 +9,6 @@
 #include <float.h>
 #include <math.h>
 
-/* Lines of one kind, which the ray crosses at equal distances: at t = 1 / rate, 2 / rate, … */
-typedef struct lines {
-    double rate;
-    double next; /* number of the next one */
-} lines;
-
 typedef struct maker {
     const double *dir;
     double longest; /* the larger of |dir| */
@@ -41,9 +35,10 @@ static void add(maker *m, double t, double i, double j, double fraction, cw_cros
 /* The place along an edge, split into a whole number and a fraction below 1; false at a sample. */
 static bool between_samples(const maker *m, double t, double place, double *whole, double *fraction) {
     const double nearest = nearbyint(place);
-    *whole = floor(place);
-    *fraction = place - *whole;
-    return fabs(place - nearest) > PLACE_ROUNDING * (t * m->longest);
+    const bool between = fabs(place - nearest) > PLACE_ROUNDING * (t * m->longest);
+    *whole = between ? floor(place) : nearest;
+    *fraction = between ? place - *whole : 0;
+    return between;
 }
 
 /* Border `number` from the start across an axis (0: x), on either side. Crossings at samples are taken from the
@@ -53,10 +48,6 @@ static void add_border(maker *m, int axis, double number, double t, bool longer)
     double whole, fraction;
     const bool between = between_samples(m, t, place, &whole, &fraction);
     if (!between && !longer) return;
-    if (!between) {
-        whole = nearbyint(place);
-        fraction = 0;
-    }
     const cw_crossing_kind kind = !between ? CROSSES_VERTEX : axis == 0 ? CROSSES_COLUMN : CROSSES_ROW;
     add(m, t, axis == 0 ? here : whole, axis == 0 ? whole : here, fraction, kind);
 }
@@ -72,18 +63,17 @@ static void add_diagonal(maker *m, double number, double t) {
 /* All crossings up to cell number cells along the longer axis, cell by cell; stretch[k].first is the crossing with
  * which stretch k of 4 cells begins. m->to NULL: they are only counted. */
 static size_t make_crossings(maker *m, bool along_x, size_t cells, cw_stretch *stretch) {
-    lines column = {fabs(m->dir[0]), 1}, row = {fabs(m->dir[1]), 1}, diagonal = {fabs(m->dir[0] - m->dir[1]), 1};
+    /* Of columns, rows and diagonals: the ray crosses them at t = 1 / rate, 2 / rate, …; the number of the next one. */
+    double rate[3] = {fabs(m->dir[0]), fabs(m->dir[1]), fabs(m->dir[0] - m->dir[1])}, next[3] = {1, 1, 1};
     /* A component that is only rounding error crosses no border. */
-    if (diagonal.rate <= PLACE_ROUNDING * m->longest) diagonal.rate = 0;
+    if (rate[2] <= PLACE_ROUNDING * m->longest) rate[2] = 0;
     m->count = 0;
     for (size_t k = 1; k <= cells; k++) {
         if (stretch != NULL && (k - 1) % 4 == 0) stretch[(k - 1) / 4].first = (uint32_t)m->count;
         const double until = (double)k / m->longest;
-        for (; column.next <= column.rate * until; column.next++)
-            add_border(m, 0, column.next, column.next / column.rate, along_x);
-        for (; row.next <= row.rate * until; row.next++) add_border(m, 1, row.next, row.next / row.rate, !along_x);
-        for (; diagonal.next <= diagonal.rate * until; diagonal.next++)
-            add_diagonal(m, diagonal.next, diagonal.next / diagonal.rate);
+        for (; next[0] <= rate[0] * until; next[0]++) add_border(m, 0, next[0], next[0] / rate[0], along_x);
+        for (; next[1] <= rate[1] * until; next[1]++) add_border(m, 1, next[1], next[1] / rate[1], !along_x);
+        for (; next[2] <= rate[2] * until; next[2]++) add_diagonal(m, next[2], next[2] / rate[2]);
     }
     return m->count;
 }
@@ -117,16 +107,12 @@ static void bound_stretch(cw_heading *h, int level, uint32_t k) {
         widen(s, &h->stretch[level - 1][n]);
 }
 
-/* Cells along the longer axis that a ray can go through inside the field and within its reach, at most. */
-static size_t longest_way(const cw_field *f, const double dir[2], double longest, double reach) {
-    const double x = (double)(f->nx - 1) / fabs(dir[0]), y = (double)(f->ny - 1) / fabs(dir[1]); /* may be infinite */
-    const double most = x < y ? x : y;
-    return (size_t)ceil((most < reach ? most : reach) * longest * (1 + 0x1p-40));
-}
-
 static cw_status make(cw_heading *h, const double dir[2], const cw_heading_desc *desc) {
+    const cw_field *f = h->field;
     const double longest = fmax(fabs(dir[0]), fabs(dir[1])), reach = desc->reach > 0 ? desc->reach : INFINITY;
-    const size_t cells = longest_way(h->field, dir, longest, reach);
+    const double x = (double)(f->nx - 1) / fabs(dir[0]), y = (double)(f->ny - 1) / fabs(dir[1]); /* may be infinite */
+    /* Along the longer axis, that a ray can go through inside the field and within its reach, at most. */
+    const size_t cells = (size_t)ceil(fmin(fmin(x, y), reach) * longest * (1 + 0x1p-40));
     maker m = {.dir = dir, .longest = longest, .reach = reach, .drop_rate = desc->drop};
     h->along_x = fabs(dir[0]) == longest;
     h->crossings = make_crossings(&m, h->along_x, cells, NULL);
@@ -148,11 +134,6 @@ static cw_status make(cw_heading *h, const double dir[2], const cw_heading_desc 
     }
 }
 
-/* Limit of drop t, so that sums with rises of heights do not overflow. */
-static bool is_drop(const cw_heading_desc *d, double longest) {
-    return d->drop >= 0 && d->drop * ((double)CW_SIDE_MAX / longest) <= (double)CW_HEIGHT_MAX;
-}
-
 cw_status cw_heading_create(const cw_field *field, const cw_heading_desc *desc, cw_heading **heading) {
     FPENV_HERE;
     if (heading == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
@@ -166,7 +147,8 @@ cw_status cw_heading_create(const cw_field *field, const cw_heading_desc *desc, 
         return cw_fail(CW_ERROR_ARGUMENT, "dir: (%g, %g); its longer component is from 2^-40 to 2^40", dir[0], dir[1]);
     if (!(desc->reach >= 0 && isfinite(desc->reach)))
         return cw_fail(CW_ERROR_ARGUMENT, "reach: %g; it is finite and not negative", desc->reach);
-    if (!is_drop(desc, longest))
+    /* drop t is limited so that sums with rises of heights do not overflow. */
+    if (!(desc->drop >= 0 && desc->drop * ((double)CW_SIDE_MAX / longest) <= (double)CW_HEIGHT_MAX))
         return cw_fail(CW_ERROR_ARGUMENT, "drop: %g; it is from 0 to 2^77 times dir's longer component", desc->drop);
     cw_heading *h = cw_memory_clear(&field->memory, sizeof *h);
     if (h == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
@@ -218,51 +200,45 @@ static float rounding(const cw_field *f) {
     return range >= 0 ? 8 * (FLT_EPSILON / 2) * range + FLT_MIN : 0;
 }
 
-static cw_status query_along(const cw_heading_job *job, const cw_run *run, const void *out, const char *out_name) {
+/* out: the answers of the job, which has low and high besides. */
+static cw_status query_along(cw_heading_job job, const cw_heading *h, const cw_run *run, cw_rectangle at,
+                             const void *out, const char *out_name) {
     FPENV_HERE;
-    const cw_heading *h = job->heading;
     if (h == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
-    const size_t count = job->nx * job->ny;
+    const size_t count = at.nx * at.ny;
     if (count > 0 && out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu samples", out_name, count);
     const cw_field *f = h->field;
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
-    if (status == CW_OK) status = cw_check_rectangle(f, &(cw_rectangle){job->i, job->j, job->nx, job->ny});
+    if (status == CW_OK) status = cw_check_rectangle(f, &at);
     const terrain_code *code;
     if (status == CW_OK) status = cw_terrain_settle(&how, &code);
     if (status != CW_OK || count == 0) return status;
     door_pass in;
     if (!cw_field_enter(f, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
-    tiles t = {.job = *job, .code = code->heading};
-    t.job.pad = rounding(f);
-    t.columns = h->along_x ? TILE_LONG : TILE_COLUMNS;
-    t.rows = h->along_x ? TILE_ROWS : TILE_LONG;
-    t.across = (job->nx + t.columns - 1) / t.columns;
-    status = cw_run_work(&how, t.across * ((job->ny + t.rows - 1) / t.rows), 1, 1, run_tiles, &t);
+    job.heading = h;
+    job.i = at.i;
+    job.j = at.j;
+    job.nx = at.nx;
+    job.ny = at.ny;
+    job.pad = rounding(f);
+    tiles t = {job, code->heading, h->along_x ? TILE_LONG : TILE_COLUMNS, h->along_x ? TILE_ROWS : TILE_LONG, 0};
+    t.across = (at.nx + t.columns - 1) / t.columns;
+    status = cw_run_work(&how, t.across * ((at.ny + t.rows - 1) / t.rows), 1, 1, run_tiles, &t);
     cw_field_leave(in);
     return status;
 }
 
-static cw_heading_job job_of(const cw_heading *heading, const cw_rectangle *at) {
-    return (cw_heading_job){.heading = heading, .i = at->i, .j = at->j, .nx = at->nx, .ny = at->ny};
-}
-
 cw_status cw_heading_steepest(const cw_heading *heading, const cw_run *run, float low, float high, cw_rectangle at,
                               float *slope) {
-    cw_heading_job job = job_of(heading, &at);
     if (isnan(low) || isnan(high)) return cw_fail(CW_ERROR_ARGUMENT, "%s: NaN", isnan(low) ? "low" : "high");
     if (low > high) return cw_fail(CW_ERROR_ARGUMENT, "low: %g, above high, %g", (double)low, (double)high);
-    job.low = low;
-    job.high = high;
-    job.steepest = slope;
-    return query_along(&job, run, slope, "slope");
+    return query_along((cw_heading_job){.low = low, .high = high, .steepest = slope}, heading, run, at, slope, "slope");
 }
 
 cw_status cw_heading_occluded(const cw_heading *heading, const cw_run *run, float slope, cw_rectangle at,
                               uint8_t *occluded) {
-    cw_heading_job job = job_of(heading, &at);
     if (isnan(slope)) return cw_fail(CW_ERROR_ARGUMENT, "slope: NaN");
-    job.low = job.high = slope;
-    job.occluded = occluded;
-    return query_along(&job, run, occluded, "occluded");
+    const cw_heading_job job = {.low = slope, .high = slope, .occluded = occluded};
+    return query_along(job, heading, run, at, occluded, "occluded");
 }
