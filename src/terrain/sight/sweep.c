@@ -56,32 +56,25 @@ static long bin_begin(const sweep_part *p, double r, size_t b) {
     return before + ((double)before < at && before < p->length);
 }
 
-/* Samples of a row about which nothing is open: bits from the first on. */
+/* Bits of samples of a row, from the first on, about which nothing is open. */
 typedef struct span {
     long first;
     uint64_t which;
-    const float *z;
-    const double *rise, *error;
 } span;
 
-static uint64_t hand_on(const sweep_part *p, long row, const span *s) {
-    if (s->which == 0) return 0;
-    const sweep_span all = {.i = (size_t)(p->swapped ? row : s->first),
-                            .j = (size_t)(p->swapped ? s->first : row),
-                            .count = SWEEP_SPAN_MOST - (size_t)__builtin_clzll(s->which),
-                            .which = s->which,
-                            .down = p->swapped,
-                            .z = s->z,
-                            .rise = s->rise,
-                            .error = s->error};
-    return p->visit_span(p->context, &all);
+static uint64_t hand_on(const sweep_part *p, long row, span s, const float *z, const double *rise,
+                        const double *error) {
+    if (s.which == 0) return 0;
+    const size_t i = (size_t)(p->swapped ? row : s.first), j = (size_t)(p->swapped ? s.first : row),
+                 count = SWEEP_SPAN_MOST - (size_t)__builtin_clzll(s.which);
+    return p->visit_span(p->context, &(sweep_span){i, j, count, s.which, p->swapped, z, rise, error});
 }
 
 /* Makes room in it for sample i. */
 static inline void begin_at(const sweep_part *p, long row, span *seen, long i) {
     if (seen->which != 0 && i < seen->first + SWEEP_SPAN_MOST) return;
-    hand_on(p, row, seen);
-    *seen = (span){.first = i};
+    hand_on(p, row, *seen, NULL, NULL, NULL);
+    *seen = (span){i, 0};
 }
 
 /* Samples' starts: the piece of the skyline that begins between a sample and the one before it, or 0. Pieces are as
@@ -181,7 +174,7 @@ static uint32_t visit_row(sweep_part *p, long row, long begin, long end, uint32_
         const size_t at[2] = {p->swapped ? (size_t)row : (size_t)i, p->swapped ? (size_t)i : (size_t)row};
         p->visit(p->context, at[0], at[1], &way);
     }
-    hand_on(p, row, &seen);
+    hand_on(p, row, seen, NULL, NULL, NULL);
     return start;
 }
 
@@ -207,7 +200,7 @@ static void visit_calm(sweep_part *p, long row, const float *far, long begin, lo
         const double least = count == 0 ? -INFINITY : rise[0] < rise[count - 1] ? rise[0] : rise[count - 1];
         uint64_t left = UINT64_MAX; /* to be visited one by one */
         if (piece->below == 0 && least > -INFINITY && p->around_most * r < least - error * r)
-            left = hand_on(p, row, &(span){i, UINT64_MAX >> (SWEEP_SPAN_MOST - count), far + i, rise, wide});
+            left = hand_on(p, row, (span){i, UINT64_MAX >> (SWEEP_SPAN_MOST - count)}, far + i, rise, wide);
         else
             stop = count > 0 ? stop : i + 1;
         if (left == 0) continue;
@@ -406,22 +399,25 @@ bool cw_sweep_part(const sight *s, unsigned number, double most, double target, 
                    sweep_visit_span *visit_span, void *context) {
     const terrain *t = s->terrain;
     const unsigned quarter = number / SLICES, slice = number % SLICES;
-    sweep_part p = {.sight = s, .swapped = quarter >= 2, .outward = quarter % 2 ? -1 : 1};
-    p.eye = s->eye[p.swapped ? 0 : 1];
-    p.aside = s->eye[p.swapped ? 1 : 0];
-    p.rows = (long)(p.swapped ? t->nx : t->ny);
-    p.length = (long)(p.swapped ? t->ny : t->nx);
-    p.from = 2.0 * slice / SLICES - 1;
-    p.until = 2.0 * (slice + 1) / SLICES - 1;
-    p.target = target;
-    p.visit = visit;
-    p.visit_span = visit_span;
-    p.context = context;
-    p.bins = 1;
+    const bool swapped = quarter >= 2;
+    sweep_part p = {.sight = s,
+                    .swapped = swapped,
+                    .outward = quarter % 2 ? -1 : 1,
+                    .eye = s->eye[swapped ? 0 : 1],
+                    .aside = s->eye[swapped ? 1 : 0],
+                    .rows = (long)(swapped ? t->nx : t->ny),
+                    .length = (long)(swapped ? t->ny : t->nx),
+                    .from = 2.0 * slice / SLICES - 1,
+                    .until = 2.0 * (slice + 1) / SLICES - 1,
+                    .target = target,
+                    .visit = visit,
+                    .visit_span = visit_span,
+                    .context = context,
+                    .first = SKYLINE_FIRST,
+                    .bins = 1,
+                    .ahead = -INFINITY,
+                    .columns_from = -1};
     p.width = p.until - p.from;
-    p.first = SKYLINE_FIRST;
-    p.columns_from = -1;
-    p.ahead = -INFINITY;
     const size_t length = (size_t)p.length + 2 * SWEEP_PAD;
     p.of = malloc(sizeof *p.of);
     double *lines = calloc(8 * length, sizeof *lines);
