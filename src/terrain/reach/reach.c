@@ -6,38 +6,37 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The part of an axis from low to high, with both ends, that the raster has: at least 2 samples. */
-static void cut(double low, double high, size_t samples, size_t *first, size_t *count) {
-    const double last = (double)(samples - 1);
-    double a = fmin(fmax(floor(low), 0), last), b = fmin(fmax(ceil(high), 0), last);
-    if (b - a < 1) a = fmax(b - 1, 0);
-    if (b - a < 1) b = fmin(a + 1, last);
-    *first = (size_t)a;
-    *count = (size_t)(b - a) + 1;
-}
-
-static cw_rectangle between(const terrain *whole, const double low[2], const double high[2]) {
-    cw_rectangle r;
-    cut(low[0], high[0], whole->nx, &r.i, &r.nx);
-    cut(low[1], high[1], whole->ny, &r.j, &r.ny);
-    return r;
-}
-
-static void ends(cw_rectangle r, double low[2], double high[2]) {
-    low[0] = (double)r.i;
-    low[1] = (double)r.j;
-    high[0] = (double)(r.i + r.nx) - 1;
-    high[1] = (double)(r.j + r.ny) - 1;
-}
-
-static cw_rectangle grown(const terrain *whole, cw_rectangle part, double columns, double rows) {
+/* Field coordinates, both ends included. */
+typedef struct box {
     double low[2], high[2];
-    ends(part, low, high);
-    return between(whole, (double[2]){low[0] - columns, low[1] - rows}, (double[2]){high[0] + columns, high[1] + rows});
+} box;
+
+static box box_of(cw_rectangle r) {
+    return (box){{(double)r.i, (double)r.j}, {(double)(r.i + r.nx) - 1, (double)(r.j + r.ny) - 1}};
+}
+
+static double last_of(const terrain *whole, int axis) { return (double)((axis ? whole->ny : whole->nx) - 1); }
+
+static cw_rectangle samples_from(const double first[2], const double last[2]) {
+    return (cw_rectangle){(size_t)first[0], (size_t)first[1], (size_t)(last[0] - first[0]) + 1,
+                          (size_t)(last[1] - first[1]) + 1};
+}
+
+/* The part that the raster has of a box with some more columns and rows on each side: at least 2 x 2 samples. */
+static cw_rectangle grown(const terrain *whole, box b, double columns, double rows) {
+    for (int k = 0; k < 2; k++) {
+        const double more = k ? rows : columns, last = last_of(whole, k);
+        double *first = &b.low[k], *end = &b.high[k];
+        *first = fmin(fmax(floor(*first - more), 0), last);
+        *end = fmin(fmax(ceil(*end + more), 0), last);
+        if (*end - *first < 1) *first = fmax(*end - 1, 0);
+        if (*end - *first < 1) *end = fmin(*first + 1, last);
+    }
+    return samples_from(b.low, b.high);
 }
 
 cw_rectangle cw_reach_grow(const terrain *whole, cw_rectangle part, double more) {
-    return grown(whole, part, more, more);
+    return grown(whole, box_of(part), more, more);
 }
 
 cw_rectangle cw_reach_both(cw_rectangle a, cw_rectangle b) {
@@ -62,40 +61,35 @@ cw_rectangle cw_reach_within(const terrain *whole, const double at[2], double me
     for (int k = 0; k < 2; k++) {
         /* A hair for rounding. */
         const double far = metres * cells[k] * (1 + 0x1p-30) + 0x1p-20;
-        const double last = (double)((k ? whole->ny : whole->nx) - 1);
         low[k] = fmax(ceil(at[k] - far), 0);
-        high[k] = fmin(floor(at[k] + far), last);
+        high[k] = fmin(floor(at[k] + far), last_of(whole, k));
         if (!(low[k] <= high[k])) return (cw_rectangle){0};
     }
-    return (cw_rectangle){(size_t)low[0], (size_t)low[1], (size_t)(high[0] - low[0]) + 1,
-                          (size_t)(high[1] - low[1]) + 1};
+    return samples_from(low, high);
 }
 
 cw_rectangle cw_reach_between(const terrain *whole, const double at[2], cw_rectangle part) {
-    double low[2], high[2];
-    ends(part, low, high);
+    box b = box_of(part);
     for (int k = 0; k < 2; k++) {
-        low[k] = fmin(low[k], at[k]) - REACH_BESIDE;
-        high[k] = fmax(high[k], at[k]) + REACH_BESIDE;
+        b.low[k] = fmin(b.low[k], at[k]);
+        b.high[k] = fmax(b.high[k], at[k]);
     }
-    return between(whole, low, high);
+    return grown(whole, b, REACH_BESIDE, REACH_BESIDE);
 }
 
 /* The sweep of a viewshed ends at a square around the place: terrain beyond it changes nothing. */
 cw_rectangle cw_reach_around(const terrain *whole, const double at[2], double metres) {
     enum { SWEEP_BESIDE = 8 };
-    double each[2], low[2], high[2];
+    double each[2];
     cw_terrain_metres(whole, at[0], at[1], each);
     double cells = 0;
     for (int k = 0; k < 2; k++)
         cells = fmax(cells, fabs(whole->back[k][0]) / each[0] + fabs(whole->back[k][1]) / each[1]);
-    for (int k = 0; k < 2; k++) {
-        low[k] = at[k] - metres * cells - SWEEP_BESIDE;
-        high[k] = at[k] + metres * cells + SWEEP_BESIDE;
-        const double last = (double)((k ? whole->ny : whole->nx) - 1);
-        if (high[k] < 0 || low[k] > last) return (cw_rectangle){0};
-    }
-    return between(whole, low, high);
+    const double far = metres * cells;
+    const box b = {{at[0] - far, at[1] - far}, {at[0] + far, at[1] + far}};
+    for (int k = 0; k < 2; k++)
+        if (b.high[k] + SWEEP_BESIDE < 0 || b.low[k] - SWEEP_BESIDE > last_of(whole, k)) return (cw_rectangle){0};
+    return grown(whole, b, SWEEP_BESIDE, SWEEP_BESIDE);
 }
 
 cw_rectangle cw_reach_beside(const terrain *whole, cw_rectangle part, double metres) {
@@ -108,7 +102,7 @@ cw_rectangle cw_reach_beside(const terrain *whole, cw_rectangle part, double met
         cells_a_metre(whole, 0.5 * (double)(whole->nx - 1), j, cells);
         for (int k = 0; k < 2; k++) most[k] = fmax(most[k], metres * cells[k] * (1 + 0x1p-19) + REACH_BESIDE);
     }
-    return grown(whole, part, most[0], most[1]);
+    return grown(whole, box_of(part), most[0], most[1]);
 }
 
 /* ---- blocks ------------------------------------------------------------------------------------------------------ */
@@ -189,13 +183,11 @@ reach_sunward cw_reach_toward(const terrain *whole, const cw_light *light, cw_re
 
 /* The metres along the ways from the part at which some of them may pass over the rectangle. */
 static bool passing(const reach_sunward *s, cw_rectangle part, cw_rectangle over, double *first, double *last) {
-    double from[2], until[2], low[2], high[2];
-    ends(part, from, until);
-    ends(over, low, high);
+    const box from = box_of(part), to = box_of(over);
     *first = 0;
     *last = INFINITY;
     for (int a = 0; a < 2; a++) {
-        const double least = low[a] - REACH_BESIDE - until[a], most = high[a] + REACH_BESIDE - from[a];
+        const double least = to.low[a] - REACH_BESIDE - from.high[a], most = to.high[a] + REACH_BESIDE - from.low[a];
         /* t cells[1] >= least and t cells[0] <= most, for some t >= 0 */
         const double fast = s->cells[a][1], slow = s->cells[a][0];
         if (fast > 0)
@@ -235,17 +227,18 @@ double cw_reach_highest(const reach_blocks *b, size_t x, size_t y) {
 }
 
 /* Blocks first[a] to end[a] - 1 of an axis: none farther away has what the highest sample would throw a shadow from. */
-static void blocks_in_reach(const reach_blocks *b, const reach_sunward *s, const double from[2], const double until[2],
-                            double lowest, size_t first[2], size_t end[2]) {
+static void blocks_in_reach(const reach_blocks *b, const reach_sunward *s, const box *part, double lowest,
+                            size_t first[2], size_t end[2]) {
     const double room = REACH_ROUNDING * ((double)b->highest - (double)b->lowest),
                  over = fmax(((double)b->highest + room - lowest) * terrain_metres_of_height(b->whole), 0);
     for (int a = 0; a < 2; a++) {
         const double count = (double)(a ? b->down : b->across);
         double low = 0, high = count;
         if (s->tangent > 0) {
-            low = floor((from[a] + fmin(s->cells[a][0], 0) * (over / s->tangent) - 2 * REACH_BESIDE) / REACH_BLOCK);
-            high =
-                floor((until[a] + fmax(s->cells[a][1], 0) * (over / s->tangent) + 2 * REACH_BESIDE) / REACH_BLOCK) + 1;
+            const double back = fmin(s->cells[a][0], 0) * (over / s->tangent),
+                         on = fmax(s->cells[a][1], 0) * (over / s->tangent);
+            low = floor((part->low[a] + back - 2 * REACH_BESIDE) / REACH_BLOCK);
+            high = floor((part->high[a] + on + 2 * REACH_BESIDE) / REACH_BLOCK) + 1;
         }
         first[a] = (size_t)fmin(fmax(low, 0), count);
         end[a] = (size_t)fmax(fmin(high, count), 0);
@@ -263,33 +256,29 @@ static double lowest_of(const reach_blocks *b, cw_rectangle part) {
 }
 
 cw_rectangle cw_reach_of_shadows(const reach_blocks *b, const reach_sunward *s, cw_rectangle part) {
-    double low[2], high[2], from[2], until[2];
     const double lowest = lowest_of(b, part);
-    ends(part, from, until);
-    for (int a = 0; a < 2; a++) {
-        low[a] = from[a] - REACH_BESIDE;
-        high[a] = until[a] + REACH_BESIDE;
-    }
+    const box from = box_of(part);
+    box all = from;
     size_t begin[2], stop[2];
-    blocks_in_reach(b, s, from, until, lowest, begin, stop);
+    blocks_in_reach(b, s, &from, lowest, begin, stop);
     for (size_t y = begin[1]; y < stop[1] && lowest < INFINITY; y++)
         for (size_t x = begin[0]; x < stop[0]; x++) {
             const cw_rectangle block = cw_reach_block(b, x, y);
-            double first, last, left[2], end[2];
+            double first, last;
             if (!(b->high[y * b->across + x] > -INFINITY) || !passing(s, part, block, &first, &last)) continue;
             const double over = (cw_reach_highest(b, x, y) - lowest) * terrain_metres_of_height(b->whole);
             if (s->tangent > 0) last = fmin(last, over / s->tangent);
             /* Terrain as low as a descending ray can hide it. */
             if (s->tangent < 0 && over < 0) first = fmax(first, over / s->tangent);
             if (!(first <= last)) continue;
-            ends(block, left, end);
+            const box ends = box_of(block);
             for (int a = 0; a < 2; a++) {
                 const double back = fmin(s->cells[a][0], 0), on = fmax(s->cells[a][1], 0);
-                const double nearest = back < 0 ? from[a] + back * last : from[a],
-                             farthest = on > 0 ? until[a] + on * last : until[a];
-                low[a] = fmin(low[a], fmax(left[a], nearest) - REACH_BESIDE);
-                high[a] = fmax(high[a], fmin(end[a], farthest) + REACH_BESIDE);
+                const double nearest = back < 0 ? from.low[a] + back * last : from.low[a],
+                             farthest = on > 0 ? from.high[a] + on * last : from.high[a];
+                all.low[a] = fmin(all.low[a], fmax(ends.low[a], nearest));
+                all.high[a] = fmax(all.high[a], fmin(ends.high[a], farthest));
             }
         }
-    return between(b->whole, low, high);
+    return grown(b->whole, all, REACH_BESIDE, REACH_BESIDE);
 }
