@@ -18,17 +18,12 @@ typedef struct beam {
     double weight; /* 1: not given */
 } beam;
 
-/* Beams first to first + count - 1 share a direction. */
-typedef struct sector {
-    size_t first, count;
-} sector;
-
 struct insolation {
     const terrain *terrain;
     double hours, linke; /* of the description; hours 1 with weights */
     bool weighted;
     beam *beams;
-    sector *sectors; /* one for each direction of the compass */
+    size_t *first; /* beam of each direction of the compass; the next one's first beam ends it */
     double diffuse;
     bool energy; /* is summed, on the ground as it leans; else hours or weights */
     compass compass;
@@ -57,12 +52,11 @@ static void take_suns(insolation *s, const insolation_desc *d) {
     qsort(s->beams, beams, sizeof *s->beams, by_direction);
     c->count = 0;
     for (size_t k = 0; k < beams; k++) {
-        if (k == 0 || s->beams[k].direction != s->beams[k - 1].direction) {
-            c->azimuths[c->count] = s->beams[k].direction;
-            s->sectors[c->count++] = (sector){k, 0};
-        }
-        s->sectors[c->count - 1].count++;
+        if (k > 0 && s->beams[k].direction == s->beams[k - 1].direction) continue;
+        c->azimuths[c->count] = s->beams[k].direction;
+        s->first[c->count++] = k;
     }
+    s->first[c->count] = beams;
 }
 
 cw_status cw_insolation_create(const terrain *t, const insolation_desc *d, insolation **out) {
@@ -73,9 +67,9 @@ cw_status cw_insolation_create(const terrain *t, const insolation_desc *d, insol
     *s = (insolation){
         .terrain = t, .hours = d->weights ? 1 : d->hours, .linke = d->linke, .weighted = d->weights != NULL};
     s->beams = calloc(room, sizeof *s->beams);
-    s->sectors = calloc(room, sizeof *s->sectors);
+    s->first = calloc(room + 1, sizeof *s->first);
     cw_status status = cw_compass_create(&s->compass, t, room, 0, d->curvature);
-    if (status == CW_OK && !(s->beams && s->sectors)) status = cw_fail_plainly(CW_ERROR_MEMORY);
+    if (status == CW_OK && !(s->beams && s->first)) status = cw_fail_plainly(CW_ERROR_MEMORY);
     if (status == CW_OK) {
         take_suns(s, d);
         return CW_OK;
@@ -89,7 +83,7 @@ void cw_insolation_destroy(insolation *s) {
     if (s == NULL) return;
     cw_compass_destroy(&s->compass);
     free(s->beams);
-    free(s->sectors);
+    free(s->first);
     free(s);
 }
 
@@ -97,7 +91,7 @@ size_t cw_insolation_directions(const insolation *s) { return s->compass.count; 
 
 void cw_insolation_direction(const insolation *s, size_t number, double *azimuth, double *lowest) {
     *azimuth = s->compass.azimuths[number];
-    *lowest = s->beams[s->sectors[number].first].sun.altitude;
+    *lowest = s->beams[s->first[number]].sun.altitude;
 }
 
 double cw_insolation_diffuse(const insolation *s) { return s->diffuse; }
@@ -189,25 +183,21 @@ static void find_lie(void *context, size_t begin, size_t end) {
 enum { GRAIN = 1 << 14, HEADINGS_KEPT = 64 };
 
 static cw_status add_sector(insolation *s, const cw_run *run, size_t number, adding *a) {
-    const sector *of = &s->sectors[number];
-    const beam *beams = s->beams + of->first;
+    const beam *first = s->beams + s->first[number], *end = s->beams + s->first[number + 1];
     compass_way way;
     cw_status status = cw_compass_look(&s->compass, number, &way);
     if (status != CW_OK) return status;
-    const float low = cw_compass_rise(way.slope, beams->sun.altitude),
-                high = cw_compass_rise(way.slope, beams[of->count - 1].sun.altitude);
+    const float low = cw_compass_rise(way.slope, first->sun.altitude),
+                high = cw_compass_rise(way.slope, end[-1].sun.altitude);
     /* A rise that is cut off at the lower end must be below the lowest sun's. */
     status = cw_heading_steepest(way.heading, run, nextafterf(low, -INFINITY), high, a->at, a->rises);
     if (s->compass.count > HEADINGS_KEPT) cw_compass_release(&s->compass, number);
-    for (size_t k = 0; k < of->count && status == CW_OK; k++) {
-        if (s->energy) make_light(s, beams + k, &a->light);
-        a->rise = cw_compass_rise(way.slope, beams[k].sun.altitude);
-        a->weight = beams[k].weight;
-        cw_pool_run(run->pool, a->at.nx * a->at.ny, GRAIN,
-                    s->energy     ? add_energy
-                    : s->weighted ? add_weights
-                                  : add_hours,
-                    a);
+    cw_work_fn *const add = s->energy ? add_energy : s->weighted ? add_weights : add_hours;
+    for (const beam *b = first; b < end && status == CW_OK; b++) {
+        if (s->energy) make_light(s, b, &a->light);
+        a->rise = cw_compass_rise(way.slope, b->sun.altitude);
+        a->weight = b->weight;
+        cw_pool_run(run->pool, a->at.nx * a->at.ny, GRAIN, add, a);
     }
     return status;
 }
