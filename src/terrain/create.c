@@ -36,20 +36,15 @@ void cw_terrain_bounds_release(const terrain *t, const sight_bounds *bounds) {
     if (t->own == NULL && t->bounds == NULL) cw_sight_bounds_destroy((sight_bounds *)bounds);
 }
 
-/* The map of a field that lies on a map: z leads up and nowhere else. */
-static cw_status check_map(const double m[3][4]) {
-    if (m[0][2] != 0 || m[1][2] != 0 || m[2][0] != 0 || m[2][1] != 0 || m[2][3] != 0)
-        return cw_fail(CW_ERROR_ARGUMENT,
-                       "field: its map leads from z to x or y, or to a height that is no multiple of z");
-    return cw_check_number("field: height of one in z", m[2][2], DBL_MIN, DBL_MAX);
-}
-
-static cw_status check(const cw_terrain_desc *d, double map[3][4]) {
+static cw_status check(const cw_terrain_desc *d, double m[3][4]) {
     if (d->field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
     const cw_field_info info = cw_field_describe(d->field);
-    memcpy(map, info.map, sizeof info.map);
+    memcpy(m, info.map, sizeof info.map);
     cw_status status = cw_check_reserved(d->reserved, 8, d->zero, "cw_terrain_desc");
-    if (status == CW_OK) status = check_map((const double(*)[4])map);
+    if (status == CW_OK && (m[0][2] != 0 || m[1][2] != 0 || m[2][0] != 0 || m[2][1] != 0 || m[2][3] != 0))
+        status = cw_fail(CW_ERROR_ARGUMENT,
+                         "field: its map leads from z to x or y, or to a height that is no multiple of z");
+    if (status == CW_OK) status = cw_check_number("field: height of one in z", m[2][2], DBL_MIN, DBL_MAX);
     if (status == CW_OK) status = cw_check_number("geographic", d->geographic, 0, 1);
     if (status == CW_OK) status = cw_check_number("unit", d->unit, 0, DBL_MAX);
     if (status == CW_OK) status = cw_check_number("semi_major", d->semi_major, 0, DBL_MAX);

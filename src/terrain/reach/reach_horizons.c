@@ -44,19 +44,17 @@ static scale scale_of(const terrain *whole, size_t block_row) {
 }
 
 /* What rises at least around a block: ring number k. */
-struct ring {
+typedef struct ring {
     double low, high; /* its lowest sample, lowered; -infinity: it has holes */
     double from, to;  /* least and greatest distance in metres */
-};
-typedef struct ring ring;
+} ring;
 
 typedef struct place {
     const reach_horizons *horizons;
     size_t x, y; /* of the block */
     double low, high;
     scale scale;
-    double drop,
-        up; /* lowering by curvature: drop times the square of metres; metres of height in a number of the samples */
+    double drop, up; /* curvature lowers by drop times the square of metres; metres of height in a sample's number */
     ring *rings;
     size_t count, *best; /* the ring before number k that hides most from the highest sample; 0: none */
 } place;
@@ -176,10 +174,8 @@ cw_rectangle cw_reach_of_horizons(reach_horizons *h, cw_rectangle part) {
     const terrain *whole = h->blocks->whole;
     cw_rectangle all = part;
     for (size_t y = part.j / REACH_BLOCK; y <= (part.j + part.ny - 1) / REACH_BLOCK; y++) {
-        struct reach_row *row = &h->rows[y];
-        if (!row->known) row->matters = row_of_blocks(h, y);
-        row->known = true;
-        all = cw_reach_both(all, row->matters);
+        if (!h->rows[y].known) h->rows[y] = (struct reach_row){true, row_of_blocks(h, y)};
+        all = cw_reach_both(all, h->rows[y].matters);
     }
     return cw_reach_grow(whole, all, REACH_BESIDE);
 }

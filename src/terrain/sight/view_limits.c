@@ -14,8 +14,7 @@ static bool init_sector(view_limits *l) {
     double width = a[1] - a[0];
     if (width < 0) width = fmod(width, 360) + 360;
     if (width >= 360) l->has_sector = a[1] < a[0]; /* a whole number of rounds back is no width */
-    if (width >= 360) width = 0;
-    l->narrow = width < 180;
+    l->narrow = width < 180 || width >= 360;
     for (int k = 0; k < 2; k++) cw_terrain_sine_cosine(a[k], &l->sector[k][0], &l->sector[k][1]);
     return true;
 }
