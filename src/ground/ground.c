@@ -249,8 +249,9 @@ cw_status ground_plan_around(ground_plan *p, cw_rectangle part, cw_rectangle *pi
 
 static bool is_wanted(const ground_plan *p, cw_rectangle block) {
     const cw_rectangle w = p->window, both = cw_reach_both(w, block);
+    double first, last;
     return p->by.horizons || p->by.sun_count != 1 || (both.nx < w.nx + block.nx && both.ny < w.ny + block.ny) ||
-           cw_reach_passes(&p->toward, w, block);
+           cw_reach_passes(&p->toward, w, block, &first, &last);
 }
 
 /* The rectangle of all that is wanted of some rows of blocks. */

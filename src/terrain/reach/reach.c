@@ -181,8 +181,7 @@ reach_sunward cw_reach_toward(const terrain *whole, const cw_light *light, cw_re
     return s;
 }
 
-/* The metres along the ways from the part at which some of them may pass over the rectangle. */
-static bool passing(const reach_sunward *s, cw_rectangle part, cw_rectangle over, double *first, double *last) {
+bool cw_reach_passes(const reach_sunward *s, cw_rectangle part, cw_rectangle over, double *first, double *last) {
     const box from = box_of(part), to = box_of(over);
     *first = 0;
     *last = INFINITY;
@@ -204,11 +203,6 @@ static bool passing(const reach_sunward *s, cw_rectangle part, cw_rectangle over
             *last = fmin(*last, most / slow);
     }
     return *first <= *last;
-}
-
-bool cw_reach_passes(const reach_sunward *s, cw_rectangle part, cw_rectangle over) {
-    double first, last;
-    return passing(s, part, over, &first, &last);
 }
 
 cw_rectangle cw_reach_block(const reach_blocks *b, size_t x, size_t y) {
@@ -265,7 +259,7 @@ cw_rectangle cw_reach_of_shadows(const reach_blocks *b, const reach_sunward *s, 
         for (size_t x = begin[0]; x < stop[0]; x++) {
             const cw_rectangle block = cw_reach_block(b, x, y);
             double first, last;
-            if (!(b->high[y * b->across + x] > -INFINITY) || !passing(s, part, block, &first, &last)) continue;
+            if (!(b->high[y * b->across + x] > -INFINITY) || !cw_reach_passes(s, part, block, &first, &last)) continue;
             const double over = (cw_reach_highest(b, x, y) - lowest) * terrain_metres_of_height(b->whole);
             if (s->tangent > 0) last = fmin(last, over / s->tangent);
             /* Terrain as low as a descending ray can hide it. */

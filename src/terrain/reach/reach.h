@@ -60,8 +60,8 @@ typedef struct reach_sunward {
 /* light has the sun's place, disc and strips. */
 reach_sunward cw_reach_toward(const terrain *whole, const cw_light *light, cw_rectangle part);
 
-/* Whether rays from the part toward the sun pass over a rectangle at all. */
-bool cw_reach_passes(const reach_sunward *sunward, cw_rectangle part, cw_rectangle over);
+/* Whether rays from the part toward the sun pass over a rectangle at all, and between which metres on their way. */
+bool cw_reach_passes(const reach_sunward *sunward, cw_rectangle part, cw_rectangle over, double *first, double *last);
 
 /* The part and all that can throw a shadow on it. All blocks that rays from the part pass over must have been taken,
  * and those of the part. */
