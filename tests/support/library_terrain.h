@@ -8,7 +8,6 @@
 #include "insolation.h"
 #include "profile.h"
 #include "skyline.h"
-#include "viewshed.h"
 #include "visible.h"
 
 /* ---- of a row of numbers, a row of others ------------------------------------------------------------------------ */

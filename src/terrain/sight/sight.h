@@ -103,4 +103,9 @@ double cw_sight_first_block(const sight *s, double i, double j, double z);
 cw_sight_answer cw_sight_settle(const sight *s, const double target[3], const double middle[2], double block,
                                 double ends[2][2]);
 
+/* viewshed.c: what the eye of a sight, which has bounds, sees: as cw_viewshed. Of the observer only target and limits
+ * are used. */
+cw_status cw_viewshed_from(const sight *s, const cw_observer *from, const cw_run *run, cw_area area,
+                           const cw_view *view);
+
 #endif

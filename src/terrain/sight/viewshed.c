@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "viewshed.h"
-
+/* Visibility from a place: for each sample, whether the straight line from the observer's eye to it, or to something of
+ * a given height on it, passes above the surface. A line that touches it on the way is blocked. */
 #include "area.h"
 #include "fpenv.h"
 #include "sweep.h"
+#include "view_limits.h"
 
 #include <float.h>
 #include <math.h>
