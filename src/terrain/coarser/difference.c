@@ -129,8 +129,8 @@ static bool has_hole(const samples *f, size_t row, size_t rows) {
     return false;
 }
 
-/* before, here: room for differences in a row of samples each. */
-static row_sums measure_row(const measure *m, size_t row, double *before, double *here) {
+/* room: for differences in two rows of samples. */
+static row_sums measure_row(const measure *m, size_t row, double *room) {
     const size_t first = row * m->factor, left = m->full->ny - 1 - first, rows = m->factor < left ? m->factor : left;
     row_sums s = {0};
     extremes e = {{0}, {0}};
@@ -140,11 +140,9 @@ static row_sums measure_row(const measure *m, size_t row, double *before, double
                 for (int lower = 0; lower < 2; lower++) look_at_triangle(m, i, j, i / m->factor, row, lower, &e, &s);
     } else {
         for (size_t j = 0; j <= rows; j++) {
+            double *const here = room + j % 2 * m->full->nx, *const before = room + (j + 1) % 2 * m->full->nx;
             difference_row(m, row, first + j, here, &e);
             if (j > 0) s.squares += squares_between(before, here, m->full->nx - 1);
-            double *const swap = before;
-            before = here;
-            here = swap;
         }
         s.both = (uint64_t)rows * 2 * (m->full->nx - 1);
     }
@@ -162,7 +160,7 @@ static void measure_rows(void *context, size_t begin, size_t end) {
         atomic_store(&m->out_of_memory, true);
         return;
     }
-    for (size_t row = begin; row < end; row++) m->rows[row] = measure_row(m, row, room, room + m->full->nx);
+    for (size_t row = begin; row < end; row++) m->rows[row] = measure_row(m, row, room);
     free(room);
 }
 
