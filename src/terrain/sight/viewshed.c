@@ -11,61 +11,55 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* What is looked for from the eye of a sight. */
+/* What is looked for from the eye of a sight, in a sweep over all samples for each of: */
 typedef struct viewshed {
     const sight *sight;
     double target; /* height in the samples' numbers */
     view_limits limits;
     double most; /* cells along the longer axis to the greatest distance */
-} viewshed;
-
-/* One sweep over all samples: for those that are seen, or for the heights that are needed. */
-typedef struct job {
-    const viewshed *v;
     cw_area area;
     cw_view to;
-    bool heights;
+    bool heights; /* the heights that are needed; else the samples that are seen */
     atomic_bool failed;
-} job;
+} viewshed;
 
 /* The number of an output, or SIZE_MAX outside the area. */
-static inline size_t place_of(const job *q, size_t i, size_t j) {
+static inline size_t place_of(const viewshed *q, size_t i, size_t j) {
     const cw_rectangle at = q->area.at;
     return i - at.i < at.nx && j - at.j < at.ny ? (j - at.j) * q->area.stride + (i - at.i) : SIZE_MAX;
 }
 
 /* The target's height over the eye, lowered. */
-static double rise_of(const viewshed *v, size_t i, size_t j) { return cw_sight_sample(v->sight, i, j) + v->target; }
+static double rise_of(const viewshed *q, size_t i, size_t j) { return cw_sight_sample(q->sight, i, j) + q->target; }
 
 /* The number of the output of a sample, or SIZE_MAX if that does not count. */
-static inline size_t place_of_target(const job *q, size_t i, size_t j) {
-    const view_limits *l = &q->v->limits;
-    if (l->any && !cw_view_limits_have(l, (double)i, (double)j, q->heights ? 0 : rise_of(q->v, i, j))) return SIZE_MAX;
+static inline size_t place_of_target(const viewshed *q, size_t i, size_t j) {
+    const view_limits *l = &q->limits;
+    if (l->any && !cw_view_limits_have(l, (double)i, (double)j, q->heights ? 0 : rise_of(q, i, j))) return SIZE_MAX;
     return place_of(q, i, j);
 }
 
-static void put_seen(const job *q, size_t i, size_t j, size_t k) {
-    const viewshed *v = q->v;
+static void put_seen(const viewshed *q, size_t i, size_t j, size_t k) {
     if (q->to.seen) q->to.seen[k]++;
     if (q->to.sum) q->to.sum[k] += q->to.weight;
-    if (q->to.angle) q->to.angle[k] = (float)cw_view_limits_angle(&v->limits, (double)i, (double)j, rise_of(v, i, j));
+    if (q->to.angle) q->to.angle[k] = (float)cw_view_limits_angle(&q->limits, (double)i, (double)j, rise_of(q, i, j));
 }
 
 static void see_sample(void *context, size_t i, size_t j, const sweep_way *way) {
-    const job *q = context;
-    const sight *s = q->v->sight;
+    const viewshed *q = context;
+    const sight *s = q->sight;
     const size_t k = place_of_target(q, i, j);
     if (k == SIZE_MAX) return;
     if ((way->unsure.close == 0 && !way->unsure.eye) ||
-        cw_sight_sees(s, (double)i, (double)j, (double)terrain_row(s->terrain, j)[i], q->v->target, way->unsure))
+        cw_sight_sees(s, (double)i, (double)j, (double)terrain_row(s->terrain, j)[i], q->target, way->unsure))
         put_seen(q, i, j, k);
 }
 
 static uint64_t see_span(void *context, const sweep_span *s) {
-    const job *q = context;
+    const viewshed *q = context;
     const size_t end = s->count - 1, first = place_of(q, s->i, s->j),
                  last = place_of(q, s->down ? s->i : s->i + end, s->down ? s->j + end : s->j);
-    const bool plain = !q->v->limits.any && !q->to.sum && !q->to.angle && first != SIZE_MAX && last != SIZE_MAX;
+    const bool plain = !q->limits.any && !q->to.sum && !q->to.angle && first != SIZE_MAX && last != SIZE_MAX;
     const size_t step = s->down ? q->area.stride : 1;
     for (uint64_t left = s->which; left != 0; left &= left - 1) {
         const size_t k = (size_t)__builtin_ctzll(left), i = s->down ? s->i : s->i + k, j = s->down ? s->j + k : s->j;
@@ -86,8 +80,8 @@ static bool is_sure(double x, double error) {
 }
 
 static void measure_sample(void *context, size_t i, size_t j, const sweep_way *way) {
-    const job *q = context;
-    const sight *s = q->v->sight;
+    const viewshed *q = context;
+    const sight *s = q->sight;
     const size_t k = place_of_target(q, i, j);
     if (k == SIZE_MAX) return;
     const double z = (double)terrain_row(s->terrain, j)[i], metres = s->terrain->map[2][2];
@@ -101,9 +95,9 @@ static void measure_sample(void *context, size_t i, size_t j, const sweep_way *w
 }
 
 static uint64_t measure_span(void *context, const sweep_span *s) {
-    const job *q = context;
-    const sight *from = q->v->sight;
-    const double metres = q->v->sight->terrain->map[2][2], across = s->down ? 0 : 1, i = (double)s->i, j = (double)s->j;
+    const viewshed *q = context;
+    const sight *from = q->sight;
+    const double metres = q->sight->terrain->map[2][2], across = s->down ? 0 : 1, i = (double)s->i, j = (double)s->j;
     float needs[SWEEP_SPAN_MOST];
     bool open[SWEEP_SPAN_MOST];
     uint64_t left = 0;
@@ -127,52 +121,48 @@ static uint64_t measure_span(void *context, const sweep_span *s) {
 }
 
 static void sweep_parts(void *context, size_t begin, size_t end) {
-    job *q = context;
-    const viewshed *v = q->v;
+    viewshed *q = context;
     for (size_t k = begin; k < end; k++) {
         double directions[2][2];
         cw_sweep_directions((unsigned)k, directions);
-        if (cw_view_limits_meet(&v->limits, directions[0], directions[1]) &&
-            !cw_sweep_part(v->sight, (unsigned)k, v->most, q->heights ? INFINITY : v->target,
+        if (cw_view_limits_meet(&q->limits, directions[0], directions[1]) &&
+            !cw_sweep_part(q->sight, (unsigned)k, q->most, q->heights ? INFINITY : q->target,
                            q->heights ? measure_sample : see_sample, q->heights ? measure_span : see_span, q))
             atomic_store(&q->failed, true);
     }
 }
 
 /* The observer's own sample, if the eye is right over it and it counts, is in no part. */
-static bool own_sample(const viewshed *v, size_t at[2]) {
-    const double x = v->sight->eye[0], y = v->sight->eye[1];
-    const terrain *t = v->sight->terrain;
+static bool own_sample(const sight *s, size_t at[2]) {
+    const double x = s->eye[0], y = s->eye[1];
+    const terrain *t = s->terrain;
     if (x != floor(x) || y != floor(y) || !(x >= 0 && y >= 0 && x < (double)t->nx && y < (double)t->ny)) return false;
     at[0] = (size_t)x;
     at[1] = (size_t)y;
     return isfinite(terrain_row(t, at[1])[at[0]]);
 }
 
-static cw_status sweep(const viewshed *v, const cw_run *run, cw_area area, const cw_view *to, bool heights) {
-    job q = {.v = v, .area = area, .to = *to, .heights = heights};
-    float *numbers = heights ? to->needed : to->angle;
-    for (size_t y = 0; y < area.at.ny && numbers; y++)
-        for (size_t x = 0; x < area.at.nx; x++) numbers[y * area.stride + x] = NAN;
-    const cw_status status = cw_run_work(run, SWEEP_PARTS, 1, 1, sweep_parts, &q);
-    if (atomic_load(&q.failed)) return cw_fail_plainly(CW_ERROR_MEMORY);
+static cw_status sweep(viewshed *q, const cw_run *run, bool heights) {
+    const cw_area *a = &q->area;
+    float *numbers = heights ? q->to.needed : q->to.angle;
+    for (size_t y = 0; y < a->at.ny && numbers; y++)
+        for (size_t x = 0; x < a->at.nx; x++) numbers[y * a->stride + x] = NAN;
+    q->heights = heights;
+    const cw_status status = cw_run_work(run, SWEEP_PARTS, 1, 1, sweep_parts, q);
+    if (atomic_load(&q->failed)) return cw_fail_plainly(CW_ERROR_MEMORY);
     if (status != CW_OK) return status;
     size_t own[2];
-    if (!own_sample(v, own)) return CW_OK;
-    const size_t k = place_of_target(&q, own[0], own[1]);
-    if (k == SIZE_MAX) return CW_OK;
-    if (heights)
-        to->needed[k] = 0;
-    else
-        put_seen(&q, own[0], own[1], k);
+    const size_t k = own_sample(q->sight, own) ? place_of_target(q, own[0], own[1]) : SIZE_MAX;
+    if (k != SIZE_MAX && heights) q->to.needed[k] = 0;
+    if (k != SIZE_MAX && !heights) put_seen(q, own[0], own[1], k);
     return CW_OK;
 }
 
 cw_status cw_viewshed_from(const sight *s, const cw_observer *from, const cw_run *run, cw_area area,
                            const cw_view *view) {
     const terrain *t = s->terrain;
-    viewshed v = {.sight = s, .target = from->target / terrain_metres_of_height(t), .most = INFINITY};
     cw_run how;
+    viewshed q = {.sight = s, .target = from->target / terrain_metres_of_height(t), .most = INFINITY};
     cw_status status = cw_area_begin(t, view, "view", run, 1, &area, &how);
     if (status == CW_OK) status = cw_check_reserved(view->reserved, 8, 0, "cw_view");
     if (status == CW_OK) status = cw_check_number("weight", view->weight, -DBL_MAX, DBL_MAX);
@@ -181,22 +171,23 @@ cw_status cw_viewshed_from(const sight *s, const cw_observer *from, const cw_run
     if (status == CW_OK) status = cw_check_number("farthest", from->farthest, 0, INFINITY);
     const double most = from->farthest > 0 ? from->farthest : INFINITY;
     if (status == CW_OK) status = cw_check_number("nearest", from->nearest, 0, most);
-    if (status == CW_OK && !cw_view_limits_init(&v.limits, s, from))
+    if (status == CW_OK && !cw_view_limits_init(&q.limits, s, from))
         status = cw_fail(CW_ERROR_ARGUMENT,
                          "azimuths, verticals: %g to %g, %g to %g; numbers, and verticals from -90 up to 90",
                          from->azimuths[0], from->azimuths[1], from->verticals[0], from->verticals[1]);
     if (status != CW_OK) return status;
     double cells = 0; /* that a metre is long at most */
     for (int k = 0; k < 2; k++)
-        cells = fmax(cells, fabs(t->back[k][0]) / v.limits.metres[0] + fabs(t->back[k][1]) / v.limits.metres[1]);
-    if (from->farthest > 0) v.most = from->farthest * cells + 1;
-    cw_view to = *view;
-    if (to.weight == 0) to.weight = 1;
-    const bool sees = to.seen || to.sum || to.angle;
-    run_part first = {&how, 0, to.needed ? 0.5 : 1}, second = {&how, sees ? 0.5 : 0, 1};
-    const cw_run one = cw_run_part_of(&first), other = cw_run_part_of(&second);
-    if (sees) status = sweep(&v, &one, area, &to, false);
-    return status == CW_OK && to.needed ? sweep(&v, &other, area, &to, true) : status;
+        cells = fmax(cells, fabs(t->back[k][0]) / q.limits.metres[0] + fabs(t->back[k][1]) / q.limits.metres[1]);
+    if (from->farthest > 0) q.most = from->farthest * cells + 1;
+    q.area = area;
+    q.to = *view;
+    if (view->weight == 0) q.to.weight = 1;
+    const bool sees = view->seen || view->sum || view->angle;
+    const cw_run one = cw_run_part_of(&(run_part){&how, 0, view->needed ? 0.5 : 1});
+    const cw_run other = cw_run_part_of(&(run_part){&how, sees ? 0.5 : 0, 1});
+    if (sees) status = sweep(&q, &one, false);
+    return status == CW_OK && view->needed ? sweep(&q, &other, true) : status;
 }
 
 /* The observer's eye in field coordinates and the samples' numbers. */
