@@ -17,6 +17,12 @@ struct terrain_own {
     map_scale scale;
 };
 
+/* One piece of memory, which begins with the terrain. */
+typedef struct whole_terrain {
+    terrain terrain;
+    struct terrain_own own;
+} whole_terrain;
+
 _Static_assert((int)MAP_SCALE_ROWS == (int)CW_SCALE_ROWS && (int)MAP_SCALE_COLUMNS == (int)CW_SCALE_COLUMNS, "");
 
 cw_status cw_terrain_bounds(const terrain *t, const sight_bounds **bounds) {
@@ -67,31 +73,25 @@ cw_status cw_terrain_create(const cw_terrain_desc *desc, const cw_run *run, cw_t
     cw_status status = cw_run_begin(run, &how);
     if (status == CW_OK) status = check(desc, map);
     if (status != CW_OK) return status;
-    terrain *t = calloc(1, sizeof *t);
-    struct terrain_own *own = calloc(1, sizeof *own);
+    whole_terrain *t = calloc(1, sizeof *t);
+    if (t == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     const samples s = samples_of(desc->field);
     cw_terrain_desc kept = *desc;
-    if (t) *t = (terrain){.nx = s.nx, .ny = s.ny, .stride = s.stride, .z = s.z, .own = own};
-    if (own && desc->scale) {
-        memcpy(&own->scale, desc->scale, sizeof own->scale);
-        kept.scale = &own->scale.metres[0][0][0];
+    t->terrain = (terrain){.nx = s.nx, .ny = s.ny, .stride = s.stride, .z = s.z, .own = &t->own};
+    if (desc->scale) {
+        memcpy(&t->own.scale, desc->scale, sizeof t->own.scale);
+        kept.scale = &t->own.scale.metres[0][0][0];
     }
-    if (t == NULL || own == NULL)
-        status = cw_fail_plainly(CW_ERROR_MEMORY);
-    else if (!cw_terrain_place(t, (const double(*)[4])map, &kept))
-        status = cw_fail(CW_ERROR_ARGUMENT, "field: its map cannot be inverted, or has latitudes beyond 90 degrees");
-    if (status != CW_OK) {
-        free(t);
-        free(own);
-        return status;
+    if (cw_terrain_place(&t->terrain, (const double(*)[4])map, &kept)) {
+        *out = &t->terrain;
+        return CW_OK;
     }
-    *out = t;
-    return CW_OK;
+    free(t);
+    return cw_fail(CW_ERROR_ARGUMENT, "field: its map cannot be inverted, or has latitudes beyond 90 degrees");
 }
 
 void cw_terrain_destroy(cw_terrain *t) {
     if (t == NULL) return;
     cw_sight_bounds_destroy(atomic_load(&t->own->bounds));
-    free(t->own);
     free(t);
 }
