@@ -124,8 +124,7 @@ size_t cw_terrain_rows_alike(const terrain *t, size_t row) {
     cw_terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)row, here);
     for (; row + rows < t->ny && rows < 256; rows++) {
         cw_terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)(row + rows), there);
-        if (fabs(there[0] / here[0] - 1) > 1e-4) break;
-        if (t->scale != NULL && fabs(there[1] / here[1] - 1) > 1e-4) break;
+        if (fabs(there[0] / here[0] - 1) > 1e-4 || (t->scale && fabs(there[1] / here[1] - 1) > 1e-4)) break;
     }
     return rows;
 }

@@ -32,11 +32,11 @@ static size_t eyes_before(const finding *f, size_t row) {
     return rows < f->ny ? rows : f->ny;
 }
 
-/* Some rows of eyes, and the direction in which they look. */
+/* Rows of eyes from one on, and the direction in which they look. */
 typedef struct looking {
     const finding *f;
     cw_visible_desc way;
-    size_t row, rows;
+    size_t row;
 } looking;
 
 /* All ground along the direction: to the border of the whole raster, or to the reach. */
@@ -59,7 +59,7 @@ static cw_status add_direction(finding *f, const cw_run *run, size_t number, siz
     const terrain *t = f->terrain;
     const cw_visibility_desc *d = f->desc;
     const double azimuth = 360 * (double)number / (double)f->directions, up = terrain_metres_of_height(t);
-    looking l = {.f = f, .row = row, .rows = rows};
+    looking l = {.f = f, .row = row};
     cw_visible_desc *way = &l.way;
     const double length = cw_terrain_direction(f->whole, 0.5 * (double)(f->whole->nx - 1), middle, azimuth, way->dir);
     way->label = (float)azimuth;

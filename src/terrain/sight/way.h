@@ -119,15 +119,6 @@ static inline void way_height(crossing *c) {
     c->height = height - (s->eye[2] + c->share * c->share * w->fall);
 }
 
-static inline bool way_see(const way *w, int kind, double n, double share, double other, way_look *look,
-                           void *context) {
-    /* A share of 0 is exact: the line goes through the target. */
-    if (!(share > 0 && share < 1 + way_share_error)) return false;
-    crossing c = {.way = w, .kind = kind, .n = n, .other = other, .share = 1 - share};
-    way_height(&c);
-    return (isfinite(c.height) || w->gaps) && look(context, &c);
-}
-
 /* The crossings between two shares, a <= b, both included, and some that are within rounding of them, so that none
  * is lost between two stretches. */
 static inline bool look_between(const way *w, double a, double b, way_look *look, void *context) {
@@ -141,7 +132,11 @@ static inline bool look_between(const way *w, double a, double b, way_look *look
         const int other = kind == WAY_COLUMN ? 1 : 0;
         for (double n = low; n <= high; n++) {
             const double share = (n - p[kind] - place_low) * per_step;
-            if (way_see(w, kind, n, share, way_at(p[other], d[other], share), look, context)) return true;
+            /* A share of 0 is exact: the line goes through the target. */
+            if (!(share > 0 && share < 1 + way_share_error)) continue;
+            crossing c = {w, kind, n, .other = way_at(p[other], d[other], share), .share = 1 - share};
+            way_height(&c);
+            if ((isfinite(c.height) || w->gaps) && look(context, &c)) return true;
         }
     }
     return false;

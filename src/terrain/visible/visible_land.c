@@ -32,17 +32,11 @@ static float *make_rows(cw_visible *v, int array, size_t rows, float none) {
     return at;
 }
 
-typedef struct turning {
-    cw_visible *view;
-    float *to;
-} turning;
-
 static void turn_rows(void *context, size_t begin, size_t end) {
-    const turning *t = context;
-    const cw_visible *v = t->view;
+    const cw_visible *v = context;
     const samples *f = &v->samples;
     for (size_t y = begin; y < end; y++) {
-        float *row = t->to + (ptrdiff_t)y * v->stride;
+        float *row = v->array[LAND].at + AROUND + VISIBLE_MARGIN + (ptrdiff_t)y * v->stride;
         for (ptrdiff_t k = -VISIBLE_MARGIN; k < v->stride - VISIBLE_MARGIN; k++) row[k] = NAN;
         for (size_t c = 0; c < v->across; c++) {
             const size_t x = v->rotated ? v->across - 1 - c : c, z = v->rotated ? v->down - 1 - y : y;
@@ -67,10 +61,8 @@ cw_status cw_visible_turn(cw_visible *v, const double dir[2], const cw_run *how)
     const size_t number = (v->across + v->before + v->every - 1) / v->every;
     v->segment = (ptrdiff_t)((number + 2 * VISIBLE_MARGIN + VISIBLE_GROUP - 1) / VISIBLE_GROUP * VISIBLE_GROUP);
     v->stride = v->segment * (ptrdiff_t)v->every;
-    float *land = make_rows(v, LAND, v->down, NAN);
-    if (land == NULL) return CW_ERROR_MEMORY;
-    turning t = {v, land + AROUND + VISIBLE_MARGIN};
-    const cw_status status = cw_run_work(how, v->down, 16, 64, turn_rows, &t);
+    if (!make_rows(v, LAND, v->down, NAN)) return CW_ERROR_MEMORY;
+    const cw_status status = cw_run_work(how, v->down, 16, 64, turn_rows, v);
     v->turned = status == CW_OK;
     return status;
 }
