@@ -62,28 +62,6 @@ static double night_limit(const sunlight *s) {
     return s->terrain->radius * 2 * half * half / cosine / terrain_metres_of_height(s->terrain);
 }
 
-static cw_status create(sunlight *s, const terrain *t, const cw_light *desc) {
-    *s = (sunlight){.terrain = t, .desc = *desc};
-    double azimuths[SUNLIGHT_STRIPS_MOST], level, sine, cosine, area = 0;
-    cw_status status = check(desc);
-    if (status != CW_OK) return status;
-    const size_t strips = cw_light_azimuths(desc, azimuths);
-    for (size_t k = 0; k < strips; k++) {
-        const double aside = strip_aside(k, strips), half = sqrt(1 - aside * aside);
-        s->strip[k] = (strip){half * desc->radius, half};
-        area += half;
-    }
-    for (size_t k = 0; k < strips; k++) s->strip[k].share /= area;
-    cw_terrain_sine_cosine(desc->altitude, &s->towards[2], &level);
-    cw_terrain_sine_cosine(desc->azimuth, &sine, &cosine);
-    s->towards[0] = sine * level;
-    s->towards[1] = cosine * level;
-    s->night = night_limit(s);
-    status = cw_compass_create(&s->compass, t, strips, 0, desc->curvature);
-    if (status == CW_OK) memcpy(s->compass.azimuths, azimuths, strips * sizeof *azimuths);
-    return status;
-}
-
 /* The angle between two directions whose slopes are these: off by less than x^6 / 7 of itself, x its tangent. */
 static inline float angle_between(float slope, float other) {
     const float x = (slope - other) / (1 + slope * other);
@@ -169,11 +147,26 @@ static cw_status fill_lit(void *context, const cw_run *run, cw_rectangle at, voi
 static cw_status make(const cw_terrain *t, const cw_run *run, const cw_light *light, cw_area area, size_t bytes,
                       compass_fill *fill, void *out, const char *name) {
     FPENV_HERE;
-    sunlight s;
     cw_run how;
     cw_status status = cw_area_begin(t, light, "light", run, 1, &area, &how);
+    if (status == CW_OK) status = check(light);
     if (status != CW_OK) return status;
-    status = create(&s, t, light);
+    sunlight s = {.terrain = t, .desc = *light};
+    double azimuths[SUNLIGHT_STRIPS_MOST], level, sine, cosine, disc = 0;
+    const size_t strips = cw_light_azimuths(light, azimuths);
+    for (size_t k = 0; k < strips; k++) {
+        const double aside = strip_aside(k, strips), half = sqrt(1 - aside * aside);
+        s.strip[k] = (strip){half * light->radius, half};
+        disc += half;
+    }
+    for (size_t k = 0; k < strips; k++) s.strip[k].share /= disc;
+    cw_terrain_sine_cosine(light->altitude, &s.towards[2], &level);
+    cw_terrain_sine_cosine(light->azimuth, &sine, &cosine);
+    s.towards[0] = sine * level;
+    s.towards[1] = cosine * level;
+    s.night = night_limit(&s);
+    status = cw_compass_create(&s.compass, t, strips, 0, light->curvature);
+    if (status == CW_OK) memcpy(s.compass.azimuths, azimuths, strips * sizeof *azimuths);
     if (status == CW_OK)
         status = cw_compass_make(&s.compass, area, &how, bytes, 2 * sizeof(float), fill, &s, out, name);
     cw_compass_destroy(&s.compass);
@@ -181,9 +174,8 @@ static cw_status make(const cw_terrain *t, const cw_run *run, const cw_light *li
 }
 
 cw_status cw_shadow(const cw_terrain *t, const cw_run *run, const cw_light *light, cw_area area, uint8_t *lit) {
-    cw_light point;
-    if (light) point = *light;
-    if (light) point.radius = point.hillshade = 0;
+    cw_light point = light ? *light : (cw_light){0};
+    point.radius = point.hillshade = 0;
     return make(t, run, light ? &point : NULL, area, sizeof *lit, fill_lit, lit, "lit");
 }
 
