@@ -15,8 +15,8 @@ enum { DIRECTIONS_USUAL = 32, GRAIN = 1 << 14 };
 
 typedef struct horizon {
     const terrain *terrain;
-    cw_horizon desc; /* with its count */
-    bool opens;      /* openness is summed, else sky */
+    cw_horizon desc;
+    bool opens; /* openness is summed, else sky */
     compass compass;
     size_t number;              /* the direction that is looked in, but for sums */
     const sight_bounds *bounds; /* for distances */

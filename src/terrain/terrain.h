@@ -61,7 +61,6 @@ void cw_terrain_metres(const terrain *t, double i, double j, double metres[2]);
 /* Whether they differ from row to row. */
 static inline bool terrain_has_rows(const terrain *t) { return t->geographic || t->scale != NULL; }
 
-/* Places. */
 static inline void terrain_to_map(const terrain *t, double i, double j, double xy[2]) {
     for (int k = 0; k < 2; k++) xy[k] = t->map[k][0] * i + t->map[k][1] * j + t->map[k][3];
 }

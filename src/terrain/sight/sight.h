@@ -35,8 +35,7 @@ typedef struct sight {
     bool at_crossings;
 } sight;
 
-/* The lowering is curvature d² / (2 R), d being the distance in metres on the map and R the ellipsoid's radius at
- * the equator: 0 for a flat earth, 1 for one without air, 6/7 with the refraction that surveyors reckon with. */
+/* curvature: as in cellwalk_terrain.h, of distances on the map. */
 void cw_sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature);
 
 /* The same for a line to one place, with the map's scale in the line's middle: so it answers alike from either end.

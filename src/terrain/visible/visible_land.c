@@ -74,7 +74,6 @@ static const double hair = 0x1p-20;
 
 typedef struct bounding {
     cw_visible *view;
-    const visible_code *code;
     int level;
     size_t blocks; /* of the level below; rows at level 0 */
 } bounding;
@@ -111,7 +110,7 @@ static void bound_blocks(void *context, size_t begin, size_t end) {
                 const ptrdiff_t here = (ptrdiff_t)phase * v->segment;
                 for (ptrdiff_t o = low; o <= high && count < COLUMNS_MOST; o++)
                     at[count++] = column_at(v, (ptrdiff_t)phase + o) - here;
-                b->code->bound(to + here, least ? least + here : NULL, from + here, at, count, (size_t)v->segment);
+                v->code->bound(to + here, least ? least + here : NULL, from + here, at, count, (size_t)v->segment);
             }
         }
         bool found = false;
@@ -132,7 +131,7 @@ cw_status cw_visible_bound(cw_visible *v, const cw_run *how, double aside, doubl
     atomic_store_explicit(&v->has_level, false, memory_order_relaxed);
     size_t blocks = v->down;
     for (int l = 0; l < VISIBLE_LEVELS; l++) {
-        bounding b = {v, v->code, l, blocks};
+        bounding b = {v, l, blocks};
         blocks = (blocks + 7) / 8;
         if (!make_rows(v, BOUND + l, blocks, -INFINITY) || (l == 0 && !make_rows(v, LEVEL, blocks, NAN)))
             return CW_ERROR_MEMORY;
