@@ -137,7 +137,10 @@ void cw_sweep_lean(sweep_part *p, double r, long begin, long end) {
 /* A piece that begins before an edge whose left end is in direction u, and before what a narrow one gains there. Sample
  * i is in that direction or left of it. */
 static inline uint32_t start_at(const sweep_part *p, uint32_t at, long i, double u) {
-    return skyline_find(&p->line, sweep_start(p, at, i, u - SKYLINE_BLUR), u - SKYLINE_BLUR);
+    const skyline_piece *s = p->line.pieces;
+    const uint32_t start = p->starts[i];
+    const bool later = s[start].from <= u - SKYLINE_BLUR && s[start].from > s[at].from; /* and not gone */
+    return skyline_find(&p->line, later ? start : at, u - SKYLINE_BLUR);
 }
 
 static inline void add(sweep_part *p, uint32_t start, double x0, double r0, double h0, double x1, double r1,

@@ -93,13 +93,6 @@ static inline double sweep_error(const sweep_part *p, double r) {
     return 0x1p-25 * p->snap + 0x1p-44 * p->size + 0x1p-45 * r * (p->line.steepest + p->rise);
 }
 
-/* Where to look for the piece in direction u, of sample i or one before: from at on, or from a later piece not gone. */
-static inline uint32_t sweep_start(const sweep_part *p, uint32_t at, long i, double u) {
-    const skyline_piece *s = p->line.pieces;
-    const uint32_t start = p->starts[i];
-    return s[start].from <= u && s[start].from > s[at].from ? start : at;
-}
-
 /* ---- sweep_edges.c --------------------------------------------------------------------------------------------- */
 
 /* Heights of a row's samples in these directions and next to them. */
