@@ -17,7 +17,7 @@ struct terrain_own {
     map_scale scale;
 };
 
-/* One piece of memory, which begins with the terrain. */
+/* In one piece of memory: what is given to callers is its first member. */
 typedef struct whole_terrain {
     terrain terrain;
     struct terrain_own own;

@@ -11,7 +11,8 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* What is looked for from the eye of a sight, in a sweep over all samples for each of: */
+/* What is looked for from the eye of a sight. One sweep over all samples finds those that are seen, another one the
+ * heights that are needed. */
 typedef struct viewshed {
     const sight *sight;
     double target; /* height in the samples' numbers */
@@ -19,7 +20,7 @@ typedef struct viewshed {
     double most; /* cells along the longer axis to the greatest distance */
     cw_area area;
     cw_view to;
-    bool heights; /* the heights that are needed; else the samples that are seen */
+    bool heights; /* of the present sweep */
     atomic_bool failed;
 } viewshed;
 

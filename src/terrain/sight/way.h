@@ -48,7 +48,7 @@ typedef struct crossing {
     bool at_sample;
 } crossing;
 
-/* A share is off by up to 3.5 2^-52 of it: on diagonals 1.5 for across, 1 for n less the target's diagonal, and 0.5
+/* A share is off by up to 3.5 2^-52 of it: on diagonals 1.5 for the step, 1 for n less the target's diagonal, and 0.5
  * each for the division and the product. A place is off by that part of the step and by three more roundings, which
  * is less than half of slack. A height over the line is off by 2^-49 of each of its parts and the line's; the
  * lowering enters by the square of a share. rough exceeds the sum of these, without the edge's own heights. */
