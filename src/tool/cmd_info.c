@@ -228,8 +228,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk info dem.tif\n"
                     "  cellwalk info --isa sse4.2        # the kernel chosen without AVX2\n"
                     "  cellwalk info terrain.npy --kernel grid3d --json\n",
-        .options = options,
-        .option_count = sizeof options / sizeof *options,
+        OPTIONS_OF(options),
         .operands = operand_names,
         .operand_most = 1,
     };

@@ -165,8 +165,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk render landsea-0.pbrt -o landsea-0.png\n"
                     "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64\n"
                     "  cellwalk render texture.pbrt -o part.png --size 1600x1600 --crop 0,0,400,400\n",
-        .options = options,
-        .option_count = sizeof options / sizeof *options,
+        OPTIONS_OF(options),
         .operands = operands,
         .operand_least = 1,
         .operand_most = 1,

@@ -242,8 +242,7 @@ static int run(int argc, char **argv) {
                                  .synopsis = "FIELD RAYS.npy -o HITS.npy [OPTIONS]",
                                  .what = what,
                                  .examples = examples,
-                                 .options = options,
-                                 .option_count = sizeof options / sizeof *options,
+                                 OPTIONS_OF(options),
                                  .operands = operand_names,
                                  .operand_least = 2,
                                  .operand_most = 2};

@@ -20,14 +20,19 @@ const char *option_kernel_names(size_t number) {
 const char *option_isa_names(size_t number) { return cw_isa_name(CW_ISA_SCALAR + (cw_isa)number); }
 const char *option_leaf_names(size_t number) { return number < CW_LEAF_COUNT ? cw_leaf_name((cw_leaf)number) : NULL; }
 
+/* The number of the name that equals value; -1 after a message that begins with what. */
+static int number_of(const char *name, const char *what, const char *value, option_names *of) {
+    const char *names[NAMES_MAX];
+    size_t count = 0;
+    for (; count < NAMES_MAX && (names[count] = of(count)) != NULL; count++)
+        if (strcmp(names[count], value) == 0) return (int)count;
+    words_unknown(name, what, value, names, count);
+    return -1;
+}
+
 bool option_isa_environment(const char *name) {
-    enum { COUNT = CW_ISA_COUNT - CW_ISA_SCALAR };
-    const char *word = getenv("CELLWALK_ISA"), *names[COUNT];
-    for (size_t k = 0; k < COUNT; k++) {
-        names[k] = option_isa_names(k);
-        if (word == NULL || strcmp(word, names[k]) == 0) return true;
-    }
-    return words_unknown(name, "CELLWALK_ISA", word, names, COUNT);
+    const char *word = getenv("CELLWALK_ISA");
+    return word == NULL || number_of(name, "CELLWALK_ISA", word, option_isa_names) >= 0;
 }
 
 bool option_isa_limit(const char *name, cw_isa isa) {
@@ -93,19 +98,6 @@ static int unknown(const options_usage *usage, const char *argument, size_t leng
 
 /* ---- values ---- */
 
-static bool set_name(const options_usage *usage, const option_spec *o, const char *value, size_t *number) {
-    const char *names[NAMES_MAX];
-    size_t count = 0;
-    for (; count < NAMES_MAX && (names[count] = o->names(count)) != NULL; count++) {
-        if (strcmp(names[count], value) != 0) continue;
-        *number = count;
-        return true;
-    }
-    char what[64];
-    snprintf(what, sizeof what, "--%s", o->name);
-    return words_unknown(usage->name, what, value, names, count);
-}
-
 /* A range of numbers has two ends, or is told by takes. */
 static bool set_number(const options_usage *usage, const option_spec *o, const char *value) {
     const bool whole = o->kind == OPTION_COUNT, ranged = o->low < o->high && o->takes == NULL;
@@ -130,13 +122,13 @@ static bool set_number(const options_usage *usage, const option_spec *o, const c
 }
 
 static bool set_value(const options_usage *usage, const option_spec *o, char *value) {
-    size_t number;
+    char what[64];
     option_again *all = o->to;
     if (o->kind == OPTION_FLAG) return *(bool *)o->to = true;
     if (o->kind == OPTION_COUNT || o->kind == OPTION_REAL) return set_number(usage, o, value);
     if (o->kind == OPTION_NAME) {
-        if (!set_name(usage, o, value, &number)) return false;
-        *(int *)o->to = (int)number;
+        snprintf(what, sizeof what, "--%s", o->name);
+        return (*(int *)o->to = number_of(usage->name, what, value, o->names)) >= 0;
     } else if (value[0] == '\0') {
         return command_refuse(usage->name, "--%s needs a value that is not empty", o->name);
     } else if (o->kind == OPTION_AGAIN && all->count == OPTION_AGAIN_MAX) {

@@ -87,6 +87,9 @@ typedef struct options_usage {
     size_t operand_least, operand_most;
 } options_usage;
 
+/* An array as the options of a usage. */
+#define OPTIONS_OF(rows) .options = (rows), .option_count = sizeof(rows) / sizeof *(rows)
+
 /* OPTIONS_GO if the command line is right; else the exit status: EXIT_SUCCESS where the help was requested and
  * printed, EXIT_USAGE where a message was. operands has room for usage->operand_most; those not given become NULL. */
 enum { OPTIONS_GO = -1 };

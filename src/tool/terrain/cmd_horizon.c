@@ -244,8 +244,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk horizon dem.tif --directions 8 --distance -o metres.tif\n"
                     "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 \\\n"
                     "      --max-distance 50000 > horizon.csv\n",
-        .options = options,
-        .option_count = sizeof options / sizeof *options,
+        OPTIONS_OF(options),
     };
     return product_run(&c.product, &usage, argc, argv);
 }

@@ -234,8 +234,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk los dem.tif --pairs links.csv -o answers.csv\n"
                     "  cellwalk los dem.tif 600250,5199800,20 601500,5200100,15 --frequency 5800 \\\n"
                     "      --curvature 0.75\n",
-        .options = options,
-        .option_count = sizeof options / sizeof *options,
+        OPTIONS_OF(options),
         .operands = operands,
         .operand_least = 1,
         .operand_most = 3,

@@ -116,8 +116,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk shadow dem.tif --time 2024-12-21T13:00:00Z --sun-disc -o light.tif\n"
                     "  cellwalk shadow dem.tif --sun 225,12 -o shadow.png\n"
                     "  cellwalk shadow dem.tif --sun 315,45 --hillshade -o relief.tif\n",
-        .options = options,
-        .option_count = sizeof options / sizeof *options,
+        OPTIONS_OF(options),
     };
     return product_run(&c.product, &usage, argc, argv);
 }

@@ -285,8 +285,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk sun dem.tif --date 2024 --at 600250,5199800,2 > months.csv\n"
                     "  cellwalk sun dem.tif --date 2024-01 --at 600250,5199800,6 --tilt 35\n"
                     "  cellwalk sun dem.tif --suns moon.csv -o share.tif\n",
-        .options = options,
-        .option_count = sizeof options / sizeof *options,
+        OPTIONS_OF(options),
     };
     return product_run(&c.product, &usage, argc, argv);
 }

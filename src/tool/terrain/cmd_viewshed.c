@@ -158,8 +158,7 @@ static int run(int argc, char **argv) {
                     "      --within towns.gpkg -o seen.tif\n"
                     "  cellwalk viewshed dem.tif --observers towers.csv --skip-outside -o seen.tif\n"
                     "  cellwalk viewshed dem.tif --observers road.gpkg --every 50 -o seen.tif\n",
-        .options = options,
-        .option_count = sizeof options / sizeof *options,
+        OPTIONS_OF(options),
     };
     return product_run(&c.product, &usage, argc, argv);
 }

@@ -151,8 +151,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk visibility dem.tif --share --max-distance 5000 -o share.tif\n"
                     "  cellwalk visibility dem.tif --observer-height 0 --target-height 30 -o mast.tif\n"
                     "  cellwalk visibility dem.tif --every 8 --directions 64 -o overview.tif\n",
-        .options = options,
-        .option_count = sizeof options / sizeof *options,
+        OPTIONS_OF(options),
     };
     return product_run(&c.product, &usage, argc, argv);
 }
