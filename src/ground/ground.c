@@ -77,7 +77,7 @@ bool ground_find_window(ground *g, const double e[4], const char *text, io_error
 
 static bool tell_reading(void *context, double share) {
     const ground_watch *w = &((ground *)context)->watch;
-    return w->tell(w->context, ((const ground *)context)->pieces > 0 ? NULL : "reading", share);
+    return w->tell == NULL || w->tell(w->context, ((const ground *)context)->pieces > 0 ? NULL : "reading", share);
 }
 
 /* A coarser raster is made of all samples, and then in memory. */

@@ -9,7 +9,7 @@
 
 static bool tell_building(void *context, double share) {
     const ground_watch *w = context;
-    return w->tell(w->context, "building", share);
+    return w->tell == NULL || w->tell(w->context, "building", share);
 }
 
 static cw_run watched(const cw_run *query, const ground_watch *watch) {

@@ -8,7 +8,7 @@
 
 /* The caller's side of long work. */
 typedef struct ground_watch {
-    bool (*tell)(void *context, const char *step, double share); /* false: end the work */
+    bool (*tell)(void *context, const char *step, double share); /* or NULL; false: end the work */
     io_warner warn;
     void (*note)(void *context, const char *text); /* what a coarser field loses; NULL: nobody asks */
     void *context;

@@ -26,18 +26,13 @@ typedef struct render_command {
     scene_crop part; /* from crop */
 } render_command;
 
-static void warn(void *context, const char *message) {
-    (void)context;
-    command_warn("render", "%s", message);
-}
-
 static void tell(void *context, double share) {
     (void)context;
     progress_show("rendering", share);
 }
 
 /* The output file is opened first, so that no work is done in vain. */
-static int render(const render_command *c, scene *s, double begun) {
+static int render(const render_command *c, double begun) {
     const scene_render_options options = {.query = c->fields.query,
                                           .threads = c->fields.threads,
                                           .samples = c->samples,
@@ -51,13 +46,13 @@ static int render(const render_command *c, scene *s, double begun) {
     io_error error;
     scene_render_stats stats;
     if (!io_output_open(&out, c->output, &error)) return command_fail(name, "%s", error.text);
-    bool good = scene_render(s, &options, &image, &stats, &error);
+    bool good = scene_render(c->view.scene, &options, &image, &stats, &error);
     progress_end();
     good = good && io_image_put(&out, &image, &error) && io_output_commit(&out, &error);
     io_output_discard(&out); /* nothing after the commit */
     /* Every visible point of the ground traces a shadow ray, of water a mirrored one. */
     if (good && c->terrain && !c->view.quiet && stats.shadow_rays + stats.mirror_rays == 0)
-        warn(NULL, "nothing of the terrain is in the picture; --from and --to are places on its map");
+        command_warn(name, "nothing of the terrain is in the picture; --from and --to are places on its map");
     if (good)
         command_wrote(name, c->view.quiet, c->output, begun, "%zu x %zu pixels", (size_t)image.width,
                       (size_t)image.height);
@@ -65,21 +60,13 @@ static int render(const render_command *c, scene *s, double begun) {
     return good ? EXIT_SUCCESS : command_fail(name, "%s", error.text);
 }
 
-static int render_scene(const render_command *c, const char *path) {
+static int render_file(render_command *c, const char *path) {
     io_error error;
     const double start = clock_seconds();
-    scene *s = scene_load(path, c->view.quiet ? NULL : warn, NULL, &error);
-    if (s == NULL) return command_fail(name, "%s", error.text);
-    const int status = render(c, s, start);
-    scene_free(s);
-    return status;
-}
-
-static int render_terrain(render_command *c, const char *path) {
-    io_error error;
-    const double start = clock_seconds();
-    const bool good = view_open(&c->view, &c->fields, path, &error);
-    const int status = good ? render(c, c->view.scene, start) : command_fail(name, "%s", error.text);
+    const io_warner *w = &c->fields.watch.warn;
+    if (!c->terrain) c->view.scene = scene_load(path, c->view.quiet ? NULL : w->call, w->context, &error);
+    const bool good = c->terrain ? view_open(&c->view, &c->fields, path, &error) : c->view.scene != NULL;
+    const int status = good ? render(c, start) : command_fail(name, "%s", error.text);
     view_close(&c->view);
     return status;
 }
@@ -179,8 +166,7 @@ static int run(int argc, char **argv) {
     io_error error;
     if (c.output == NULL) return command_fail(name, "no picture to write to: -o IMAGE is missing"), EXIT_USAGE;
     if (!io_image_can_write(c.output, &error)) return command_fail(name, "%s", error.text);
-    if (!c.terrain) return render_scene(&c, path);
-    return view_check(&c.view) ? render_terrain(&c, path) : EXIT_USAGE;
+    return !c.terrain || view_check(&c.view) ? render_file(&c, path) : EXIT_USAGE;
 }
 
 const command command_render = {name, "draw a terrain from a place on it, or render a pbrt scene", run};

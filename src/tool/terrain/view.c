@@ -250,11 +250,6 @@ static bool read_terrain(view *v, io_error *error) {
            raster_field_build(&v->lowered, g->path, &query, &g->watch, error);
 }
 
-static bool say_nothing(void *context, const char *step, double share) {
-    (void)context, (void)step, (void)share;
-    return true;
-}
-
 bool view_open(view *v, const field_options *fields, const char *path, io_error *error) {
     ground *g = &v->ground;
     *g = (ground){.path = path,
@@ -264,7 +259,7 @@ bool view_open(view *v, const field_options *fields, const char *path, io_error 
                   .query = fields->query,
                   .bytes = INFINITY};
     g->reading.north_up = true;
-    if (v->quiet) g->watch = (ground_watch){.tell = say_nothing};
+    if (v->quiet) g->watch = (ground_watch){0};
     if (!read_terrain(v, error) || !make_scene(v, error)) return false;
     if (v->lowered.field) raster_field_close(&g->file);
     return true;
