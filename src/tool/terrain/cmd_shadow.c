@@ -75,14 +75,9 @@ static bool check(void *context, size_t *bands) {
     shadow_command *c = context;
     double sun[2] = {0, 0};
     (void)bands;
-    if (c->sun && c->time == NULL && !product_parse_sun(name, c->sun, sun)) return false;
+    if (!product_parse_sun(name, c->sun, c->time, sun, &c->seconds)) return false;
     c->light.azimuth = sun[0];
     c->light.altitude = sun[1];
-    if ((c->sun == NULL) == (c->time == NULL))
-        return command_refuse(name, "give the sun's place by either --sun or --time");
-    if (c->time && !cw_sun_parse_time(c->time, &c->seconds))
-        return command_refuse(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'",
-                              c->time);
     return true;
 }
 

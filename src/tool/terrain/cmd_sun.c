@@ -15,8 +15,6 @@
 
 static const char name[] = "sun";
 
-static const double day = 86400;
-
 /* Suns over all days at most: a year in half minutes. */
 enum { SUNS_MOST = 1100000 };
 

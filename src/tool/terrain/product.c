@@ -5,6 +5,7 @@
 #include "command.h"
 #include "inputs.h"
 #include "number.h"
+#include "sun.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -53,13 +54,18 @@ option_spec product_round_earth_row(double *curvature) {
                                     "with usual refraction (default: 6/7, or 0 for a file without map and --cellsize)");
 }
 
-bool product_parse_sun(const char *name, const char *text, double sun[2]) {
-    if (ground_numbers(text, sun, 2, 2) == 0)
-        return command_refuse(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", text);
-    return fabs(sun[1]) <= 90 ||
+bool product_parse_sun(const char *name, const char *sun, const char *time, double at[2], double *seconds) {
+    if ((sun == NULL) == (time == NULL)) return command_refuse(name, "give the sun's place by either --sun or --time");
+    if (time)
+        return cw_sun_parse_time(time, seconds) ||
+               command_refuse(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'",
+                              time);
+    if (ground_numbers(sun, at, 2, 2) == 0)
+        return command_refuse(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", sun);
+    return fabs(at[1]) <= 90 ||
            command_refuse(name,
                           "--sun %s: the second number is the altitude, and %g degrees is none; the azimuth is first",
-                          text, sun[1]);
+                          sun, at[1]);
 }
 
 bool product_parse_place(const char *name, const char *text, double height, io_place *p) {

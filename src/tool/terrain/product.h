@@ -100,8 +100,8 @@ bool product_good(cw_status status, io_error *error);
 option_spec product_flat_earth_row(double *curvature);
 option_spec product_round_earth_row(double *curvature);
 
-/* --sun AZ,ALT, or a place; false after a message. */
-bool product_parse_sun(const char *name, const char *text, double sun[2]);
+/* Either --sun AZ,ALT or --time, the other one being NULL; or a place. False after a message. */
+bool product_parse_sun(const char *name, const char *sun, const char *time, double at[2], double *seconds);
 bool product_parse_place(const char *name, const char *text, double height, io_place *p);
 
 /* The paragraph on places in the help of all subcommands. */

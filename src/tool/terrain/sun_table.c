@@ -11,8 +11,6 @@
 
 enum { DAYS_MOST = 62 }; /* with a row each */
 
-static const double day = 86400;
-
 bool sun_table_check(sun_table *a, const char *name) {
     char *end;
     a->ground = a->tilt && strcmp(a->tilt, "ground") == 0;

@@ -7,6 +7,8 @@
 #include "sun_day.h"
 #include "suns.h"
 
+static const double day = 86400; /* seconds */
+
 typedef struct sun_table {
     const char *at;   /* NULL: not asked for */
     const char *tilt; /* degrees, or "ground"; NULL: level */

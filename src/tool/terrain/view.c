@@ -26,11 +26,7 @@ bool view_check(view *v) {
     if (v->fov == 0) v->fov = usual_fov;
     if (v->from && !product_parse_place(name, v->from, usual_eye, &v->eye)) return false;
     if (v->to && !product_parse_place(name, v->to, 0, &v->target)) return false;
-    if (v->sun && !product_parse_sun(name, v->sun, v->sun_at)) return false;
-    if (v->sun && v->time) return command_refuse(name, "give the sun's place by either --sun or --time");
-    if (v->time && !cw_sun_parse_time(v->time, &v->seconds))
-        return command_refuse(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'",
-                              v->time);
+    if ((v->sun || v->time) && !product_parse_sun(name, v->sun, v->time, v->sun_at, &v->seconds)) return false;
     if (v->curvature > 0 && v->from == NULL)
         return command_refuse(name, "--curvature lowers the terrain around the eye: give the eye's place by --from");
     if (v->curvature > 0 && !isnan(v->water))
