@@ -19,14 +19,8 @@ typedef struct visibility_command {
     float *band[2];
 } visibility_command;
 
-static bool enter(product *p, io_error *error) {
-    visibility_command *c = p->context;
-    (void)error;
-    c->from = c->until = 0;
-    return true;
-}
-
-/* All rows that the piece is good for, at once: the land is turned toward each direction once. */
+/* All rows that the piece is good for, at once, so that no other piece's are known: the land is turned toward each
+ * direction once. */
 static bool find(product *p, const product_block *b, io_error *error) {
     visibility_command *c = p->context;
     cw_rectangle at = b->area.at;
@@ -108,7 +102,7 @@ static bool check(void *context, size_t *bands) {
 
 static int run(int argc, char **argv) {
     static visibility_command c = {.desc = {.height = 2}, .directions = 128, .every = 1}; /* large */
-    c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill, .enter = enter, .end = end};
+    c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill, .end = end};
     const option_spec options[] = {
         option_flag("longest", &c.longest,
                     "write how far one sees instead: metres to the farthest ground in sight, and in a second band its "
