@@ -205,7 +205,6 @@ static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.np
                                "  numpy.save('rays.npy', rays)\n"
                                "  hits = numpy.load('hits.npy'); depth = hits['t']; missed = hits['i'] < 0\n";
 
-/* Options that exclude each other. */
 static bool check(const trace *t) {
     const bool to_stdout = t->hits && io_output_descriptor(t->hits) == STDOUT_FILENO;
     if (t->hits == NULL && (!t->json || t->points || t->normals))

@@ -35,7 +35,6 @@ typedef struct los_command {
 /* Without the sign of a number that is rounded to 0. */
 static double no_minus(double x, double half) { return x > -half && x < half ? 0 : x; }
 
-/* The rows of one line. */
 static bool write_profile(los_command *c, size_t number, io_error *error) {
     io_output *to = &c->profiles;
     for (size_t k = 0; k < c->along.count; k++) {

@@ -10,7 +10,6 @@ static const char name[] = "viewshed";
 
 static const double eye_height = 2;
 
-/* Who looks. */
 static bool check_observers(viewshed_command *c) {
     observers_from *o = &c->from;
     const size_t count = o->place_count = c->from_texts.count;
@@ -28,7 +27,6 @@ static bool check_observers(viewshed_command *c) {
     return true;
 }
 
-/* At which targets. */
 static bool check_limits(viewshed_command *c) {
     cw_observer *l = &c->look;
     double *a = l->azimuths, *v = l->verticals;

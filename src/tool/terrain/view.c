@@ -12,7 +12,6 @@
 
 static const char name[] = "render";
 
-/* Defaults of a picture. */
 enum { WIDTH = 1200, HEIGHT = 800, SAMPLES = 4 };
 static const double usual_fov = 40, usual_sun[2] = {315, 40}, usual_eye = 2, usual_pitch = 30;
 static const double sun_light = 0.85, sky_light = 0.3;

@@ -43,7 +43,6 @@ typedef struct viewshed_command {
     io_output table_file;
 } viewshed_command;
 
-/* For a product. */
 bool viewshed_begin(product *p, io_error *error);
 bool viewshed_fill(product *p, const product_block *block, void *cells, io_error *error);
 bool viewshed_finish(product *p, io_error *error);
