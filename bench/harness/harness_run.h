@@ -23,14 +23,12 @@ typedef struct run_options {
 } run_options;
 
 /* The defaults, and the rows of a subcommand's table that change them. */
-/* clang-format off */
-#define RUN_DEFAULTS {.seed = 1, .isa = -1}
-#define RUN_OPTIONS(run) \
-    {"isa", "NAME", "the highest instruction set that kernels and Embree use; by default the best here", OPTION_NAME, \
-     .to = &(run).isa, .names = option_isa_names}, \
-    {"seed", "N", "seed of the rays and of the order of contenders (1)", OPTION_COUNT, .to = &(run).seed, .high = UINT_MAX}, \
-    {"no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, .to = &(run).no_pin}
-/* clang-format on */
+#define RUN_DEFAULTS ((run_options){.seed = 1, .isa = -1})
+#define RUN_OPTIONS(run)                                                                                               \
+    option_choice("isa", "NAME", &(run).isa, option_isa_names,                                                         \
+                  "the highest instruction set that kernels and Embree use; by default the best here"),                \
+        option_count("seed", "N", &(run).seed, 0, UINT_MAX, "seed of the rays and of the order of contenders (1)"),    \
+        option_flag("no-pin", &(run).no_pin, "let the system move the program between CPUs")
 
 /* Limits the library to the instruction set; false, after a message, if machine or CELLWALK_ISA does not allow it. */
 bool run_options_check(run_options *run, const char *name);

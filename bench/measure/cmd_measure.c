@@ -227,16 +227,14 @@ static int measure(const char *as, const char *name, measure_options *o, const c
 
 /* ---- command lines ---- */
 
-/* clang-format off */
-#define COMMON_OPTIONS(o, usual_seconds, usual_width) \
-    {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program", OPTION_TEXT, \
-     .to = &(o).scenes}, \
-    {"seconds", "S", "seconds for all timing together (" usual_seconds ")", OPTION_REAL, .to = &(o).seconds, .low = 0.01, \
-     .high = 1e6}, \
-    {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (" usual_width ")", OPTION_REAL, \
-     .to = &(o).width, .low = 1e-6, .high = 10}, \
-    RUN_OPTIONS((o).run)
-/* clang-format on */
+#define COMMON_OPTIONS(o, usual_seconds, usual_width)                                                                  \
+    option_text("scenes", "FOLDER", &(o).scenes,                                                                       \
+                "folder with the scenes' .pbrt files; by default those built with this program"),                      \
+        option_range("seconds", "S", &(o).seconds, 0.01, 1e6, NULL,                                                    \
+                     "seconds for all timing together (" usual_seconds ")"),                                           \
+        option_range("width", "SHARE", &(o).width, 1e-6, 10, NULL,                                                     \
+                     "an interval is narrow if it is at most SHARE of its middle wide (" usual_width ")"),             \
+        RUN_OPTIONS((o).run)
 
 static const char what[] =
     "Runs a plan: a file, or one that ships (release, speed, first, single, tradeoff, scenes). "
@@ -276,11 +274,11 @@ static int start_measure(int argc, char **argv) {
     const option_spec options[] = {
         {"out", "FILE", "write results there after each line of the plan, a JSON object each", OPTION_TEXT,
          .to = &o.out, .letter = 'o'},
-        {"field", "FILE", "stands for FIELD in the plan; without a plan, the raster to measure on", OPTION_TEXT,
-         .to = &o.field},
-        {"cellsize", "SIZE", "cell size of a raster that does not say, in its unit of heights", OPTION_REAL,
-         .to = &o.cell_size, .low = 1e-9, .high = 1e9},
-        {"count", "N", "rays of a pass (65536)", OPTION_COUNT, .to = &o.count, .low = 16, .high = 1 << 24},
+        option_text("field", "FILE", &o.field,
+                    "stands for FIELD in the plan; without a plan, the raster to measure on"),
+        option_range("cellsize", "SIZE", &o.cell_size, 1e-9, 1e9, NULL,
+                     "cell size of a raster that does not say, in its unit of heights"),
+        option_count("count", "N", &o.count, 16, 1 << 24, "rays of a pass (65536)"),
         COMMON_OPTIONS(o, "10 a line of the plan", "0.04"),
     };
     static const char *const names[] = {"PLAN"};
@@ -301,9 +299,8 @@ static int start_table(int argc, char **argv) {
     bool quick = false;
     measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 16, .width = 0.1};
     const option_spec options[] = {
-        {"out", "FOLDER", "folder for table.md and table.jsonl, made if missing (out/table)", OPTION_TEXT,
-         .to = &folder},
-        {"quick", NULL, "the smallest scene alone: a first look", OPTION_FLAG, .to = &quick},
+        option_text("out", "FOLDER", &folder, "folder for table.md and table.jsonl, made if missing (out/table)"),
+        option_flag("quick", &quick, "the smallest scene alone: a first look"),
         COMMON_OPTIONS(o, "120", "0.1"),
     };
     static const char purpose[] =

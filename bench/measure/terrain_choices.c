@@ -157,20 +157,8 @@ static void close_choices(workload *w) {
     free(w->own);
 }
 
-const workload_kind measure_horizon = {"FIELD/horizon",
-                                       "horizons in eight directions",
-                                       "places",
-                                       "horizon",
-                                       NULL,
-                                       knows_horizon,
-                                       open_choices,
-                                       enter,
-                                       judge,
-                                       leave,
-                                       close_choices};
-const workload_kind measure_sky = {"FIELD/sky",  "the sky-view factor, against 256 directions",
-                                   "places",     "sky",
-                                   NULL,         knows_sky,
-                                   open_choices, enter,
-                                   judge,        leave,
-                                   close_choices};
+#define CHOICES(word, what, knows)                                                                                     \
+    { "FIELD/" word, what, "places", word, NULL, knows, open_choices, enter, judge, leave, close_choices }
+
+const workload_kind measure_horizon = CHOICES("horizon", "horizons in eight directions", knows_horizon);
+const workload_kind measure_sky = CHOICES("sky", "the sky-view factor, against 256 directions", knows_sky);
