@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* FIELD/build: structures made from a field's samples, and their memory. Filling Embree's arrays is not timed. */
 
-#include "clock.h"
 #include "harness/harness_memory.h"
 #include "harness/results.h"
 #include "measure/measure.h"
 
-#include <stdio.h>
 #include <string.h>
 
 typedef struct builder {

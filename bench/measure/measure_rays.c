@@ -6,7 +6,6 @@
 #include "measure/measure.h"
 #include "workload/ray_classes.h"
 
-#include <stdio.h>
 #include <string.h>
 
 typedef struct group {

@@ -9,7 +9,6 @@
 
 #include <limits.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { CELL = 10, STRIPS = 2, BORDER = 16, ANGLES = 8, SKY_TRUTH = 256, SKY_DEFAULT = 64 };

@@ -7,7 +7,6 @@
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* ---- Embree 3 and 4: names, order of arguments, and how a query is told the kind of its rays ---- */
 

@@ -46,7 +46,7 @@ bool workload_field_make(const char *name, workload_field *field) {
     if (!workload_field_exists(name)) return false;
     const size_t side = land ? land : fields[f].side, count = side * side;
     float *z = large_allocate(count * sizeof *z);
-    *field = (workload_field){name, NULL, side, side, z};
+    *field = (workload_field){name, side, side, z};
     if (z && land)
         terrain_fractal(z, side, side, 1, 0.1f);
     else if (z && fields[f].sample == NULL)

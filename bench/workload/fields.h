@@ -6,7 +6,7 @@
 #include "cellwalk.h"
 
 typedef struct workload_field {
-    const char *name, *text; /* text: a few words for a table, or NULL */
+    const char *name;
     size_t nx, ny;
     float *z; /* sample (i, j) is z[j * nx + i]; freed by workload_field_free */
 } workload_field;
