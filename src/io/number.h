@@ -4,12 +4,16 @@
 #ifndef CELLWALK_IO_NUMBER_H
 #define CELLWALK_IO_NUMBER_H
 
+#include <locale.h>
 #include <stdarg.h>
 #include <stdio.h>
 
 /* strtod and strtof. end may be NULL. */
 double number_read(const char *text, char **end);
 float number_read_float(const char *text, char **end);
+
+/* For more than one call: from here on this thread's numbers are plain, until uselocale sets the result back. */
+locale_t number_enter_plain(void);
 
 /* vfprintf. */
 __attribute__((format(printf, 2, 0))) int number_print(FILE *file, const char *format, va_list arguments);

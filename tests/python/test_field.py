@@ -273,3 +273,5 @@ def test_numbers_have_a_point():
     assert field.bounds == (10.5, -3.25, 11.5, -2.75) and repr(cw.Field(field.z, (1, 0, 0, 0, -1, 0), wkt)).endswith("cells 1 x 1 x 0.5 m, metres and a half>")
     sun = cw.Field(np.zeros((9, 9)), (30.5, 0, 600000.25, 0, -30.5, 5200000.75), UTM).sun("2024-06-21T08:30:00.5Z")
     assert sun.azimuth == pytest.approx(107.5, abs=3) and sun.altitude == pytest.approx(45, abs=5)
+    with pytest.warns(UserWarning, match=r"16\.7 % of the samples are exactly 0, and the next ones are 10\.5 from it"):
+        cw.Field(np.float32([[0, 10.5, 20], [30, 40, 50]]))

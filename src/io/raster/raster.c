@@ -5,6 +5,7 @@
 
 #include "extremes.h"
 #include "large.h"
+#include "number.h"
 #include "output.h"
 
 #include <math.h>
@@ -31,9 +32,7 @@ static double number_of(const io_georef *g, float z) {
 /* From here on floats are more than 1 apart. */
 static const float coarse = 0x1p24f;
 
-/* Warns of values that programs often write for no data, if the file does not mark them, and of heights whose last
- * digits are lost. */
-static void smell_samples(const char *path, const io_raster_options *options, const io_raster *raster) {
+void io_raster_smell(const char *path, const io_warner *warn, const io_raster *raster) {
     static const float suspicious[] = {-32768, -32767, -9999, -99999}, beyond = 1e30f;
     enum { COUNT = sizeof suspicious / sizeof suspicious[0] };
     size_t counts[COUNT] = {0}, huge = 0, zeros = 0;
@@ -55,25 +54,26 @@ static void smell_samples(const char *path, const io_raster_options *options, co
             huge++;
         }
     }
+    const locale_t before = number_enter_plain();
     for (int k = 0; k < COUNT; k++)
         if (counts[k] > 0)
-            io_warn(&options->warn,
-                    "%s: %zu samples are %g, which often stands for no data; --nodata %.9g makes them holes", path,
-                    counts[k], (double)suspicious[k], number_of(&raster->georef, suspicious[k]));
+            io_warn(warn, "%s: %zu samples are %g, which often stands for no data; --nodata %.9g makes them holes",
+                    path, counts[k], (double)suspicious[k], number_of(&raster->georef, suspicious[k]));
     if (huge > 0)
-        io_warn(&options->warn,
+        io_warn(warn,
                 "%s: %zu samples are beyond 1e30, as %.9g, which looks like no data; --nodata %.9g makes them holes",
                 path, huge, (double)example, number_of(&raster->georef, example));
     const double share = (double)zeros / ((double)raster->nx * (double)raster->ny);
     if (!raster->georef.has_nodata && share >= 0.001 && share <= 0.5 && nearest >= 10)
         io_warn(
-            &options->warn,
+            warn,
             "%s: %.3g %% of the samples are exactly 0, and the next ones are %.6g from it, which looks like missing "
             "data; --nodata %.9g makes them holes",
             path, 100 * share, (double)nearest, number_of(&raster->georef, 0));
     if (largest > coarse)
-        io_warn(&options->warn, "%s: heights are floats, and those up to %.9g are rounded to multiples of %g", path,
+        io_warn(warn, "%s: heights are floats, and those up to %.9g are rounded to multiples of %g", path,
                 (double)largest, (double)(nextafterf(largest, INFINITY) - largest));
+    uselocale(before);
 }
 
 /* A guess that is wrong makes relief 3.28 times too flat. */
@@ -133,7 +133,7 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
         raster->map[2][2] = options->zscale;
     else if (g->height_unit > 0 && (g->geographic || g->unit > 0))
         raster->map[2][2] = g->height_unit / (g->geographic ? 1 : g->unit);
-    if (raster->z != NULL) smell_samples(path, options, raster);
+    if (raster->z != NULL) io_raster_smell(path, &options->warn, raster);
     tell_guessed_heights(path, options, raster);
     smell_degrees(path, options, raster);
     return true;

@@ -43,6 +43,10 @@ typedef struct io_raster_options {
 bool io_raster_read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 void io_raster_free(io_raster *raster);
 
+/* Warns of values that programs often write for no data, if the georef does not mark them, and of heights whose last
+ * digits are lost, with decimal points in any locale. io_raster_read does it too. */
+void io_raster_smell(const char *path, const io_warner *warn, const io_raster *raster);
+
 /* Set by a program in whose process nobody else uses GDAL. */
 typedef struct io_gdal_host {
     bool network; /* GDAL may use the network */

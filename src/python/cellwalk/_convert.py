@@ -134,11 +134,10 @@ def describe_dataarray(z, transform=None, crs=None, nodata=None, zscale=None) ->
     if crs is None and placed and str(x).lower() in ("lon", "longitude"):
         crs = WGS84
     known = read_crs(crs)
-    _scale_heights(affine, zscale, like.attrs.get("units"), known, placed)
-    return Source(None, like.shape, affine, placed, known, nodata, like)
+    return _source(None, like.shape, affine, placed, known, nodata, zscale, like.attrs.get("units"), like)
 
 
-def coarser_like(like, affine, samples, factor):
+def coarser_like(like, samples, factor):
     """A DataArray as like for every factor-th sample, or None. Coordinates of its dimensions go on beyond like's last ones."""
     if like is None:
         return None
@@ -169,9 +168,9 @@ _METRES = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "
            "us-ft": 1200 / 3937, "us survey foot": 1200 / 3937, "km": 1000.0, "cm": 0.01, "mm": 0.001, "dm": 0.1}
 
 
-def _scale_heights(affine: np.ndarray, zscale, unit, crs: Crs, placed: bool) -> None:
-    """The map's third row: heights in the unit of x and y, or in metres on a map in degrees. Warns, as the program does, where that
-    is a guess that may be wrong."""
+def _source(samples, shape, affine: np.ndarray, placed: bool, crs: Crs, nodata, zscale, unit, like=None) -> Source:
+    """Fills in the map's third row: heights in the unit of x and y, or in metres on a map in degrees. Warns, as the program does,
+    where that is a guess that may be wrong."""
     dx, (x, y) = math.hypot(affine[0, 0], affine[1, 0]), affine[:2, 3]
     if crs.geographic and not placed:
         raise ValueError("crs: is in degrees, and without a transform nothing says where the samples lie")
@@ -186,24 +185,7 @@ def _scale_heights(affine: np.ndarray, zscale, unit, crs: Crs, placed: bool) -> 
         known = (name for metres, name in ((0.3048, "ft"), (1200 / 3937, "US survey ft")) if abs(crs.unit / metres - 1) < 1e-8)
         name = next(known, f"x {crs.unit:.9g} m")
         warn(f"crs: heights taken as {name}, as x and y; zscale={1 / crs.unit:.5g} if they are metres")
-
-
-def warn_of_heights(samples: np.ndarray, low: float, high: float, nodata: Optional[float]) -> None:
-    """What programs often write for no data, and heights whose last digits are lost, as the program warns of them."""
-    if low <= -9999:
-        for value in (-32768, -32767, -9999, -99999):
-            number = int(np.count_nonzero(samples == np.float32(value)))
-            if number:
-                warn(f"z: {number} samples are {value}, which often stands for no data; nodata={value} makes them holes")
-    if nodata is None and low <= 0 <= high:
-        zeros = np.count_nonzero(samples == 0) / samples.size
-        nearest = float(np.nanmin(np.abs(samples), where=samples != 0, initial=np.inf)) if 0.001 <= zeros <= 0.5 else 0.0
-        if 10 <= nearest < math.inf:
-            warn(f"z: {100 * zeros:.3g} % of the samples are exactly 0, and the next ones are {nearest:.6g} from it, which looks like missing "
-                 "data; nodata=0 makes them holes")
-    if max(-low, high) > 2**24:
-        most = np.float32(max(-low, high))
-        warn(f"z: heights are floats, and those up to {most:.9g} are rounded to multiples of {np.spacing(most):g}")
+    return Source(samples, shape, affine, placed, crs, nodata, like)
 
 
 def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
@@ -219,8 +201,7 @@ def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
     known = read_crs(crs if crs is not None else z.crs)
     affine = map_of_transform(given if placed else None)
     units = getattr(z, "units", None)
-    _scale_heights(affine, zscale, units[band - 1] if units else None, known, placed)
-    return Source(samples, array.shape, affine, placed, known, nodata)
+    return _source(samples, array.shape, affine, placed, known, nodata, zscale, units[band - 1] if units else None)
 
 
 def read_source(z, transform, crs, nodata, zscale, band) -> Source:
@@ -234,9 +215,8 @@ def read_source(z, transform, crs, nodata, zscale, band) -> Source:
     if band is not None:
         raise ValueError(f"band: {band!r}, but z is an array and has none")
     known, affine, placed = read_crs(crs), map_of_transform(transform), transform is not None
-    _scale_heights(affine, zscale, None, known, placed)
     samples = samples_of(z, nodata)
-    return Source(samples, samples.shape, affine, placed, known, nodata)
+    return _source(samples, samples.shape, affine, placed, known, nodata, zscale, None)
 
 
 # ---- numbers --------------------------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
+import re
 import sys
 import threading
 import types
@@ -144,6 +145,12 @@ class Work:
                 del error
         check(status, self.name)
 
+    def tell(self) -> None:
+        """Warns of what C warned of, with arguments in place of the program's options."""
+        self.check()
+        for sentence in self.told.sentences:
+            warn(re.sub(r"--(band|nodata|zscale)( (?=[-\d]))?", lambda found: found[1] + ("=" if found[2] else ""), sentence))
+
     def part(self, number: int, parts: int) -> None:
         """From here on progress is that of part number of so many."""
         self.c.begin, self.c.share = number / parts, 1 / parts
@@ -213,6 +220,14 @@ class Core:
         info = ffi.new("cw_field_info *")
         lib.cw_field_describe_into(self.field, info, ffi.sizeof(info[0]))
         return info
+
+    def warn_of_heights(self) -> None:
+        """What programs often write for no data, and heights whose last digits are lost, as the program warns of them."""
+        if self.about.low <= 0 or self.about.high > 2**24:
+            work, about = Work("z"), {"nx": self.shape[1], "ny": self.shape[0], "z": self._samples}
+            raster = ffi.new("io_raster *", {**about, "georef": {"has_nodata": self.source.nodata is not None}})
+            lib.io_raster_smell(b"z", ffi.new("io_warner *", (lib.python_warn, work.c)), raster)
+            work.tell()
 
     def with_bounds(self, work: Work) -> Any:
         """The terrain with the highest samples of blocks, for lines over it. Two threads may both make them; the last ones stay."""

@@ -4,13 +4,11 @@
 from __future__ import annotations
 
 import os
-import re
-import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 import numpy as np
 
-from ._convert import above, check_sides, coarser_like, common_shape, count, nodata_of, numbers, read_source, samples_of, warn_of_heights
+from ._convert import above, check_sides, coarser_like, common_shape, count, nodata_of, numbers, read_source, samples_of
 from ._core import Core, Work, ffi, lib, owner, raster_door
 from ._light import Light
 from ._raster import Source, read_crs, read_raster, scale_of
@@ -115,7 +113,7 @@ class Field(Rays, Light, Sight):
     def __init__(self, z: Any, transform: Any = None, crs: Any = None, nodata: float | None = None, threads: int = 0, *,
                  zscale: float | None = None, band: int | None = None, copy: bool = False, progress=None) -> None:
         self._make(read_source(z, transform, crs, nodata_of(nodata), zscale, band), threads, copy, progress, z)
-        warn_of_heights(self._core.source.samples, self._core.about.low, self._core.about.high, self._source.nodata)
+        self._core.warn_of_heights()
 
     def _make(self, source: Source, threads, copy=False, progress=None, given=None, made=None) -> None:
         self._threads = count(threads, "threads", 0, 4096)
@@ -256,7 +254,7 @@ class Field(Rays, Light, Sight):
         made, samples, difference = self._run("coarser", _coarser, factor, _filters.index(filter), progress=progress, core=self._core)
         affine = self._source.map.copy()
         affine[:, :2] *= factor
-        like = coarser_like(self._source.like, affine, samples, factor)
+        like = coarser_like(self._source.like, samples, factor)
         source = self._source._replace(samples=samples, shape=samples.shape, map=affine, like=like, scale=None, whole=None)
         return field_of(source, self._threads, None, difference, made)
 
@@ -308,11 +306,9 @@ def open(path: str | bytes | os.PathLike, window: Any = None, *, band: int | Non
         raise TypeError(f"path: {path!r}, expected a path")
     path = os.fsdecode(path)
     column, row, columns, rows = _window(window)
-    given, sentences = read_raster(path, 0 if band is None else count(band, "band", 1, 65535), nodata_of(nodata),
-                                   above(cellsize, "cellsize"), above(zscale, "zscale"), (column, row, columns, rows), progress)
-    for sentence in sentences:  # arguments in place of the program's options
-        text = re.sub(r"--(band|nodata|zscale)( (?=[-\d]))?", lambda found: found[1] + ("=" if found[2] else ""), sentence)
-        warnings.warn(text, stacklevel=2)
+    given, work = read_raster(path, 0 if band is None else count(band, "band", 1, 65535), nodata_of(nodata),
+                              above(cellsize, "cellsize"), above(zscale, "zscale"), (column, row, columns, rows), progress)
+    work.tell()
     source = given if crs is None else given._replace(crs=read_crs(crs))
     check_sides(given.shape, path)
     field = field_of(source, threads, progress)

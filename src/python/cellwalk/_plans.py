@@ -14,7 +14,6 @@ from ._core import Core, Work, ffi, lib
 from ._raster import Source, find_place
 
 SPOTS_MOST = 65534  # which uint16 counts
-_DEGREES = 180 / 3.141592653589793
 
 
 class Plan(NamedTuple):
@@ -72,13 +71,11 @@ class Products:
             return math.remainder(finite(lon_lat[0], "lon_lat", -360, 360), 360), finite(lon_lat[1], "lon_lat", -90, 90), 0.0
         i, j = 0.5 * (columns - 1), 0.5 * (rows - 1)
         x, y = (float(m[k][0] * i + m[k][1] * j + m[k][3]) for k in range(2)) if place is None else place
-        if known.geographic:
-            unit = known.unit or 3.141592653589793 / 180
-            return math.remainder(x * unit * _DEGREES, 360), finite(y * unit * _DEGREES, "latitude", -90, 90), 0.0
-        if known.wkt is None:
+        if not known.geographic and known.wkt is None:
             raise ValueError(f"{what}: without a coordinate system (crs) nothing says where the sun stands; give "
                              f"{'azimuth and altitude' if what == 'time' else 'lon_lat'}")
-        return find_place(known.wkt, x, y)
+        longitude, latitude, turned = find_place(known, x, y)
+        return longitude, finite(latitude, "latitude", -90, 90), turned
 
     def _bend(self, curvature) -> float:
         """The curvature of lines of sight."""

@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import importlib
+import math
 import os
 import re
 from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
-from ._core import NULL, Work, c_text, do_io, ffi, lib, raster_door, warn
+from ._core import NULL, Work, c_text, do_io, ffi, lib, raster_door
 
 WGS84 = ('GEOGCRS["WGS 84",DATUM["World Geodetic System 1984",ELLIPSOID["WGS 84",6378137,298.257223563,LENGTHUNIT["metre",1]]],'
           'CS[ellipsoidal,2],AXIS["longitude",east],AXIS["latitude",north],ANGLEUNIT["degree",0.0174532925199433]]')
@@ -93,16 +94,14 @@ def scale_of(source: Source, name: str) -> bytes:
     with raster_door:
         found = min(source.shape) >= 2 and lib.io_scale_find(georef, ffi.new("double[3][4]", source.map.tolist()), *source.shape[::-1],
                                                              c_text(name), ffi.new("io_warner *", (lib.python_warn, work.c)), scale)
-    work.check()
-    for sentence in work.told.sentences:
-        warn(sentence)
+    work.tell()
     return bytes(ffi.buffer(scale)) if found else b""
 
 
-def find_place(wkt: str, x: float, y: float) -> tuple[float, float, float]:
+def find_place(crs: Crs, x: float, y: float) -> tuple[float, float, float]:
     """Longitude, latitude, and how far the map's north is turned there from the true one, toward the west."""
-    place = ffi.new("sun_place *")
-    do_io(lib.sun_place_of, ffi.new("terrain *"), georef_of(wkt), ffi.new("double[2]", [x, y]), b"crs", NULL, place, fails=ValueError)
+    place, terrain = ffi.new("sun_place *"), ffi.new("terrain *", {"geographic": crs.geographic, "unit": crs.unit or math.pi / 180})
+    do_io(lib.sun_place_of, terrain, georef_of(crs.wkt), ffi.new("double[2]", [x, y]), b"crs", NULL, place, fails=ValueError)
     return place.longitude, place.latitude, place.turned
 
 
@@ -110,9 +109,9 @@ def find_place(wkt: str, x: float, y: float) -> tuple[float, float, float]:
 
 
 def read_raster(path: str, band: int, nodata: Optional[float] = None, cellsize: float = 0.0, zscale: float = 0.0,
-                window: Optional[tuple[int, int, int, int]] = None, progress=None) -> tuple[Source, list[str]]:
-    """Returns the raster and its warnings. Band 0 is the first. window: column, row, columns and rows, all zero for all; None: only the
-    header, if the format has windows."""
+                window: Optional[tuple[int, int, int, int]] = None, progress=None) -> tuple[Source, Work]:
+    """Returns the raster, and the work that tells its warnings. Band 0 is the first. window: column, row, columns and rows, all zero for
+    all; None: only the header, if the format has windows."""
     column, row, columns, rows = window or (0, 0, 0, 0)
     work, raster = Work(path, progress=progress), ffi.gc(ffi.new("io_raster *"), lib.io_raster_free)
     values = ffi.new("double[]", [] if nodata is None else [nodata])
@@ -129,7 +128,7 @@ def read_raster(path: str, band: int, nodata: Optional[float] = None, cellsize: 
         samples = np.frombuffer(ffi.buffer(ffi.gc(memory, lib.drop_samples), 4 * shape[0] * shape[1]), np.float32).reshape(shape)
     georef = raster.georef
     return Source(samples, shape, np.array([list(line) for line in raster.map]), georef.placed, crs_of(georef),
-                  georef.nodata if georef.has_nodata else None), work.told.sentences
+                  georef.nodata if georef.has_nodata else None), work
 
 
 _CELLS = {name: getattr(lib, f"IO_CELL_{name.upper()}") for name in ("uint8", "uint16", "int16", "float32")}
