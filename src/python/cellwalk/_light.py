@@ -188,7 +188,7 @@ class Light(Products):
     def sun(self, time: Time) -> Sun:
         """Where the sun stands at a time over the middle of the field, its azimuth from the map's north. For the light that falls on
         the ground see insolation."""
-        seconds = seconds_of(time)
+        seconds = seconds_of(time)  # a wrong time is reported before a missing map
         return Sun(*suns_at(seconds, *self._locate("time"))[0, :4].tolist())
 
     def shadow(self, azimuth: float | None = None, altitude: float | None = None, *, time: Time | None = None, hillshade: bool = False,
@@ -213,8 +213,7 @@ class Light(Products):
         if time is not None:
             if azimuth is not None or altitude is not None:
                 raise ValueError("time: goes without azimuth and altitude")
-            seconds = seconds_of(time)  # a wrong time is reported before a missing map
-            azimuth, altitude, _, radius, _ = suns_at(seconds, *self._locate("time"))[0].tolist()
+            azimuth, altitude, _, radius = self.sun(time)
             disc = radius if disc is True else disc
         light = {"azimuth": finite(225 if azimuth is None else azimuth, "azimuth"),
                  "altitude": finite(30 if altitude is None else altitude, "altitude", -90, 90)}

@@ -44,6 +44,10 @@ def kernels() -> list[Kernel]:
     return rows
 
 
+def _member(name: str) -> np.ndarray:
+    return property(lambda hits: hits.records[name])  # type: ignore[return-value]
+
+
 class Hits:
     """Where rays hit; every member has the shape of the rays.
 
@@ -67,12 +71,8 @@ class Hits:
     """
 
     __slots__ = ("records", "_field")
-    t: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    i: np.ndarray
-    j: np.ndarray
-    triangle: np.ndarray
+    t, u, v = _member("t"), _member("u"), _member("v")
+    i, j, triangle = _member("i"), _member("j"), _member("triangle")
 
     def __init__(self, records: np.ndarray, field) -> None:
         self.records = records
@@ -124,10 +124,6 @@ class Hits:
             self._field._run(name, lambda core, work: work.check(function(core.field, work.run, hits, records.size, to)), progress=progress,
                              core=self._field._core)
         return out
-
-
-for _name in _dtype.names:
-    setattr(Hits, _name, property(lambda self, name=_name: self.records[name]))
 
 
 def _operand(array: np.ndarray, shape: tuple, width: tuple) -> np.ndarray:

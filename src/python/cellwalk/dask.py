@@ -75,15 +75,13 @@ def _samples(part, g: Source, window: _Window) -> np.ndarray:
     return samples_of(part, g.nodata)
 
 
-def _field(part, g: Source, window: _Window, threads: int) -> Field:
+def _field(part, g: Source, window: _Window, threads: int, stamp=None) -> Field:
     affine, samples = np.array(g.map), _samples(part, g, window)
     affine[:2, 3] += affine[:2, 0] * window.column + affine[:2, 1] * window.row
     return field_of(g._replace(samples=samples, shape=samples.shape, map=affine, whole=(g, window.column, window.row)), threads)
 
 
-@functools.lru_cache(maxsize=1)
-def _kept_field(part, g, window, threads, stamp) -> Field:  # the whole raster, for chunk after chunk
-    return _field(part, g, window, threads)
+_kept_field = functools.lru_cache(maxsize=1)(_field)  # the whole raster, for chunk after chunk
 
 
 def _stamp(path):
