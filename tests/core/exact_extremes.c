@@ -3,8 +3,6 @@
 
 #include "exact.h"
 
-#include "cellwalk_expert.h"
-
 #include <float.h>
 #include <math.h>
 

@@ -5,7 +5,6 @@
 #include "workload/fractal_terrain.h"
 
 #include <math.h>
-#include <string.h>
 
 /* ---- shapes and classes of rays ---------------------------------------------------------------------------------- */
 

@@ -7,7 +7,6 @@
 #include "vocabulary/words.h"
 #include "workload/random.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

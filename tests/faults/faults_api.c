@@ -8,8 +8,6 @@
 #include "faults.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 enum { SIDE = 70, THREADS = 5 };
 

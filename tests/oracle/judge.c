@@ -5,7 +5,6 @@
 #include "bounds.h"
 #include "oracle_walk.h"
 
-#include <float.h>
 #include <math.h>
 
 static double distance(const oracle *o, int32_t i, int32_t j) { return bounds_D(&o->bounds, i, j); }
