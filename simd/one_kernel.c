@@ -130,7 +130,9 @@ CW_INLINE one_cell test_block(const one_ray *one, const vray *r, quadrant q, con
         whole.y.org = vf_set(one->org[1]), whole.y.dir = vf_set(one->dir[1]);
         const unsigned hits = vm_bits(wt_cell_in(&whole, &c, gate, &find));
         if (hits == 0) continue;
-        const int lane = nearest(in_walk_order(hits, q), q) ^ turn(q), place = lane + (int)k;
+        int lane = __builtin_ctz(hits); /* mostly the only one */
+        if (hits & (hits - 1)) lane = nearest(in_walk_order(hits, q), q) ^ turn(q);
+        const int place = lane + (int)k;
         found->t0 = vf_lane(&find.t0, (unsigned)lane);
         found->t1 = vf_lane(&find.t1, (unsigned)lane);
         found->b = vm_bits(find.b) >> lane & 1;
@@ -264,11 +266,8 @@ void CW_CODE(one)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits,
             occluded[k] = cell != NO_CELL;
         } else if (cell != NO_CELL) {
             const size_t i = (uint32_t)cell, j = (uint32_t)(cell >> 32);
-            const float *row = f->z + j * f->stride + i;
-            const strict_cell c = {
-                .i = i, .j = j, .h00 = row[0], .h10 = row[1], .h01 = row[f->stride], .h11 = row[f->stride + 1]};
             const ray_start s = start_of_one(&one, f, &rays[k]);
-            hits[k] = refine_hit(&s, &c, &at);
+            hits[k] = refine_hit(f, &s, i, j, &at);
         } else { /* not by miss(), which compilers make elsewhere and copy */
             hits[k].t = INFINITY;
             hits[k].i = hits[k].j = -1;

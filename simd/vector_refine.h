@@ -21,33 +21,25 @@ typedef struct vhit {
 /* Lanes without a find are undefined. */
 CW_INLINE vhit refine_hits(const vstart *s, const found_hits *h) {
     const vmask b = h->find.b;
-    const vfloat cell_l = vf_select(b, h->j, h->i), cell_s = vf_select(b, h->i, h->j);
-    const vdouble dl = vd_from_vf(vf_select(b, s->dir[1], s->dir[0])),
-                  ds = vd_from_vf(vf_select(b, s->dir[0], s->dir[1]));
-    vdouble org_l, org_s, org_z;
-    if (s->moved) {
-        org_l = vd_select(b, s->base[1], s->base[0]);
-        org_s = vd_select(b, s->base[0], s->base[1]);
-        org_z = s->base[2];
-    } else {
-        org_l = vd_from_vf(vf_select(b, s->org[1], s->org[0]));
-        org_s = vd_from_vf(vf_select(b, s->org[0], s->org[1]));
-        org_z = vd_from_vf(s->org[2]);
-    }
-    org_l = vd_sub(org_l, vd_from_vf(cell_l));
-    org_s = vd_sub(org_s, vd_from_vf(cell_s));
-    const vdouble h00 = vd_from_vf(h->h00), corner = vd_from_vf(h->corner);
-    const vdouble first = vd_sub(corner, h00), second = vd_sub(vd_from_vf(h->h11), corner);
-    const vdouble below = vd_sub(vd_add(vd_mul(first, org_l), vd_mul(second, org_s)), vd_sub(org_z, h00));
-    const vdouble rise = vd_sub(vd_from_vf(s->dir[2]), vd_add(vd_mul(first, dl), vd_mul(second, ds)));
+    const vdouble slope_x =
+        vd_sub(vd_from_vf(vf_select(b, h->h11, h->corner)), vd_from_vf(vf_select(b, h->corner, h->h00)));
+    const vdouble slope_y =
+        vd_sub(vd_from_vf(vf_select(b, h->corner, h->h11)), vd_from_vf(vf_select(b, h->h00, h->corner)));
+    vdouble base[3];
+    for (int c = 0; c < 3; c++) base[c] = s->moved ? s->base[c] : vd_from_vf(s->org[c]);
+    const vdouble x = vd_sub(base[0], vd_from_vf(h->i)), y = vd_sub(base[1], vd_from_vf(h->j));
+    const vdouble dx = vd_from_vf(s->dir[0]), dy = vd_from_vf(s->dir[1]), dz = vd_from_vf(s->dir[2]);
+    const vdouble z = vd_sub(base[2], vd_from_vf(h->h00));
+    const vdouble below = vd_sub(vd_add(vd_mul(slope_x, x), vd_mul(slope_y, y)), z);
+    const vdouble rise = vd_sub(dz, vd_add(vd_mul(slope_x, dx), vd_mul(slope_y, dy)));
     const vdouble t = vd_min(vd_max(vd_div(below, rise), vd_from_vf(h->find.t0)), vd_from_vf(h->find.t1));
     const vfloat zero = vf_set(0), one = vf_set(1);
-    const vfloat longer = vf_from_vd(vd_add(org_l, vd_mul(t, dl))), shorter = vf_from_vd(vd_add(org_s, vd_mul(t, ds)));
-    const vfloat across = vf_max(vf_min(one, shorter), zero), along = vf_max(vf_min(one, longer), across);
-    const vfloat rest = vf_sub(along, across);
+    const vfloat at_x = vf_min(one, vf_max(vf_from_vd(vd_add(x, vd_mul(t, dx))), zero));
+    const vfloat at_y = vf_min(one, vf_max(vf_from_vd(vd_add(y, vd_mul(t, dy))), zero));
+    const vfloat least_x = vf_select(b, zero, at_y), least_y = vf_select(b, at_x, zero);
     vfloat given = vf_from_vd(vd_add(s->shift, t));
     if (s->moved) given = vf_min(s->last, vf_max(s->first, given)); /* see ray_t */
-    return (vhit){given, vf_select(b, across, rest), vf_select(b, rest, across)};
+    return (vhit){given, vf_sub(vf_max(at_x, least_x), least_x), vf_sub(vf_max(at_y, least_y), least_y)};
 }
 
 #endif

@@ -43,10 +43,19 @@ CW_INLINE vfloat wt_inside(const vwt *r, vfloat t, vmask *in_b) {
     return vf_sub(vf_mul(t, r->dz), vf_max(low, vf_min(high, z)));
 }
 
+/* The height difference on the diagonal, at the t where the ray crosses it. */
+CW_INLINE vfloat wt_diagonal(const vwt *r, const vcell *c, vfloat *t) {
+    *t = vf_max(c->t0, vf_min(vf_div(vf_sub(r->y, r->x), vf_sub(r->dx, r->dy)), c->t1));
+    return vf_sub(vf_mul(*t, r->dz), wt_edge(r->h00, r->h11, wt_within(r->x, r->dx, *t)));
+}
+
 static inline vmask wt_between(vfloat da, vfloat db) {
     const vfloat zero = vf_set(0);
-    return vm_or(vm_and(vf_ge(da, zero), vf_le(db, zero)), vm_and(vf_le(da, zero), vf_ge(db, zero)));
+    return vm_or(vm_and(vf_le(db, zero), vf_ge(da, zero)), vm_and(vf_le(da, zero), vf_ge(db, zero)));
 }
+
+/* The diagonal's division is the longest to wait for, so it comes first, if there are registers to keep its result. */
+enum { EARLY = W == 16 };
 
 /* Lanes among which the cell is hit. In others *find is undefined. */
 CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *find) {
@@ -59,10 +68,13 @@ CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *
                    above_origin(ray, c->h10),
                    above_origin(ray, c->h01),
                    above_origin(ray, c->h11)};
+    vfloat td, dd;
+    if (EARLY) dd = wt_diagonal(&r, c, &td);
     const vmask enter_x = vf_gt(c->x_in, c->y_in), leave_x = vf_le(c->x_out, c->y_out);
-    /* Low side: entered going up, left going down. */
-    const vmask enter_high = vm_not(vm_or(vm_and(enter_x, ray->x.up), vm_andnot(ray->y.up, enter_x)));
-    const vmask leave_high = vm_or(vm_and(leave_x, ray->x.up), vm_andnot(ray->y.up, leave_x));
+    /* Low side: entered going up, left going down. Where rays go up on one axis only, it depends on the border's. */
+    const vmask mixed = vm_xor(ray->x.up, ray->y.up);
+    const vmask enter_high = vm_not(vm_xor(vm_and(enter_x, mixed), ray->y.up));
+    const vmask leave_high = vm_xor(vm_and(leave_x, mixed), ray->y.up);
     /* Triangle B is at the low x and the high y border. */
     vmask in_b = vm_xor(enter_x, enter_high), out_b = vm_xor(leave_x, leave_high);
     const vfloat in = vf_max(c->x_in, c->y_in), out = vf_min(c->x_out, c->y_out);
@@ -83,14 +95,12 @@ CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *
         out_b = vm_or(vm_and(at_out, out_b), vm_andnot(stop_b, at_out));
     }
     const vmask crosses = vm_xor(in_b, out_b);
-    vfloat td = vf_div(vf_sub(r.y, r.x), vf_sub(r.dx, r.dy));
-    td = vf_max(c->t0, vf_min(td, c->t1));
-    const vfloat dd = vf_sub(vf_mul(td, r.dz), wt_edge(r.h00, r.h11, wt_within(r.x, r.dx, td)));
-    /* first: the hit is before the diagonal; second: after it. Without a crossing, one stretch from border to
-     * border. */
+    if (!EARLY) dd = wt_diagonal(&r, c, &td);
+    /* first: the hit is before the diagonal; second: after it, if there is one. Without a crossing, one stretch from
+     * border to border. */
     const vmask first = vm_and(crosses, wt_between(da, dd)), second = vm_andnot(crosses, first);
-    const vfloat d0 = vf_select(second, dd, da), d1 = vf_select(first, dd, db);
-    const vmask found = vm_and(among, vm_or(first, wt_between(d0, d1)));
+    const vmask rest = vm_or(vm_and(crosses, wt_between(db, dd)), vm_andnot(wt_between(da, db), crosses));
+    const vmask found = vm_and(among, vm_or(first, rest));
     find->t0 = vf_select(second, td, c->t0);
     find->t1 = vf_select(first, td, c->t1);
     find->b = vm_or(vm_andnot(in_b, second), vm_and(second, out_b));

@@ -77,7 +77,7 @@ static inline __attribute__((always_inline)) bool trace_cells(const cw_field *f,
         if (hits == NULL)
             occluded[k] = end == WALK_FINDS;
         else if (end == WALK_FINDS)
-            hits[k] = refine_hit(&r.start, &c, &find);
+            hits[k] = refine_hit(f, &r.start, c.i, c.j, &find);
         else
             hits[k] = miss();
     }

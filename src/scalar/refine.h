@@ -14,37 +14,40 @@
 #include "ray.h"
 #include "strict.h"
 
-static inline cw_hit refine_hit(const ray_start *r, const strict_cell *c, const strict_find *found) {
-    /* Along the triangle's legs: the longer coordinate of its points is that along x in A and along y in B. */
-    const int l = found->b ? 1 : 0, s = 1 - l;
-    const double org[2] = {r->base[0] - (double)c->i, r->base[1] - (double)c->j};
-    const double corner = (double)(found->b ? c->h01 : c->h10);
-    const double first = corner - (double)c->h00, second = (double)c->h11 - corner;
-    const double dl = (double)r->dir[l], ds = (double)r->dir[s];
-    const double below = (first * org[l] + second * org[s]) - (r->base[2] - (double)c->h00);
-    const double rise = (double)r->dir[2] - (first * dl + second * ds);
+/* A place along one axis of a cell, within it. */
+static inline float refine_within(float x) { return min_second(1, max_second(x, 0)); }
+
+/* Of a find in cell (i, j). Nothing branches on the triangle, which nobody can foretell. */
+static inline cw_hit refine_hit(const cw_field *f, const ray_start *r, size_t i, size_t j, const strict_find *found) {
+    /* The triangle's legs: along x in row j in A and j + 1 in B, along y in column i + 1 in A and i in B. */
+    const size_t b = found->b, a = 1 - b;
+    const float *z = f->z + j * f->stride + i, *leg_x = z + b * f->stride, *leg_y = z + a;
+    const double slope_x = (double)leg_x[1] - (double)leg_x[0], slope_y = (double)leg_y[f->stride] - (double)leg_y[0];
+    const double x = r->base[0] - (double)i, y = r->base[1] - (double)j;
+    const double dx = (double)r->dir[0], dy = (double)r->dir[1];
+    const double below = (slope_x * x + slope_y * y) - (r->base[2] - (double)z[0]);
+    const double rise = (double)r->dir[2] - (slope_x * dx + slope_y * dy);
     /* NaN, where the ray lies in the plane, becomes the stretch's beginning. */
     const double t = min_second_d(max_second_d(below / rise, (double)found->t0), (double)found->t1);
-    const float longer = (float)(org[l] + t * dl), shorter = (float)(org[s] + t * ds);
-    /* Never -0, since walks that mirror a ray do not distinguish it from 0. */
-    const float across = max_second(min_second(1, shorter), 0), along = max_second(min_second(1, longer), across);
+    /* Never -0, since walks that mirror a ray do not distinguish it from 0. A has no place with y > x, B none with
+     * x > y. */
+    const float at_x = refine_within((float)(x + t * dx)), at_y = refine_within((float)(y + t * dy));
+    const float least_x = (float)a * at_y, least_y = (float)b * at_x;
     return (cw_hit){
         .t = ray_t(r, t),
-        .u = found->b ? across : along - across,
-        .v = found->b ? along - across : across,
-        .i = (int32_t)c->i,
-        .j = (int32_t)c->j,
-        .triangle = found->b ? CW_TRIANGLE_B : CW_TRIANGLE_A,
+        .u = max_second(at_x, least_x) - least_x,
+        .v = max_second(at_y, least_y) - least_y,
+        .i = (int32_t)i,
+        .j = (int32_t)j,
+        .triangle = (uint32_t)(b ? CW_TRIANGLE_B : CW_TRIANGLE_A),
     };
 }
 
 /* The same for a Möller-Trumbore hit. Its t, counted from r's origin, does not change; u and v are those of the
  * place at t. */
 static inline cw_hit refine_place(const cw_field *f, const ray_start *r, const cw_hit *hit) {
-    const size_t i = (size_t)hit->i, j = (size_t)hit->j;
-    const float *h = f->z + j * f->stride + i;
-    const strict_cell c = {.i = i, .j = j, .h00 = h[0], .h10 = h[1], .h01 = h[f->stride], .h11 = h[f->stride + 1]};
-    return refine_hit(r, &c, &(strict_find){hit->t, hit->t, hit->triangle == CW_TRIANGLE_B});
+    const strict_find found = {hit->t, hit->t, hit->triangle == CW_TRIANGLE_B};
+    return refine_hit(f, r, (size_t)hit->i, (size_t)hit->j, &found);
 }
 
 #endif
