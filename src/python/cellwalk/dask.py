@@ -118,7 +118,7 @@ def _make(part, g, window, chunk, plan, threads):
 
 
 def _seen(part, g, window, plan, threads):
-    """1 where one observer sees a sample of the window, 0 elsewhere and at holes; or the heights that are needed."""
+    """1 where one observer sees a sample of the window, 0 elsewhere, any number at holes; or the heights that are needed."""
     out = _field_of(part, g, window, threads)._rows(plan)
     return out if plan.dtype == np.float32 else out.astype(np.uint8)
 
