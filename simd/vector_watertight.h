@@ -54,7 +54,7 @@ static inline vmask wt_between(vfloat da, vfloat db) {
     return vm_or(vm_and(vf_le(db, zero), vf_ge(da, zero)), vm_and(vf_le(da, zero), vf_ge(db, zero)));
 }
 
-/* The diagonal's division is the longest to wait for, so it comes first, if there are registers to keep its result. */
+/* The diagonal first: its division takes longest. With fewer than 32 registers, its results wait in memory instead. */
 enum { EARLY = W == 16 };
 
 /* Lanes among which the cell is hit. In others *find is undefined. */
@@ -71,7 +71,7 @@ CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *
     vfloat td, dd;
     if (EARLY) dd = wt_diagonal(&r, c, &td);
     const vmask enter_x = vf_gt(c->x_in, c->y_in), leave_x = vf_le(c->x_out, c->y_out);
-    /* Low side: entered going up, left going down. Where rays go up on one axis only, it depends on the border's. */
+    /* Low side: entered going up, left going down. Where a ray goes up on one axis only, the border's axis decides. */
     const vmask mixed = vm_xor(ray->x.up, ray->y.up);
     const vmask enter_high = vm_not(vm_xor(vm_and(enter_x, mixed), ray->y.up));
     const vmask leave_high = vm_xor(vm_and(leave_x, mixed), ray->y.up);

@@ -17,7 +17,7 @@
 /* A place along one axis of a cell, within it. */
 static inline float refine_within(float x) { return min_second(1, max_second(x, 0)); }
 
-/* Of a find in cell (i, j). Nothing branches on the triangle, which nobody can foretell. */
+/* Of a find in cell (i, j). No branch depends on the triangle, since no CPU can foretell it. */
 static inline cw_hit refine_hit(const cw_field *f, const ray_start *r, size_t i, size_t j, const strict_find *found) {
     /* The triangle's legs: along x in row j in A and j + 1 in B, along y in column i + 1 in A and i in B. */
     const size_t b = found->b, a = 1 - b;
