@@ -183,7 +183,7 @@ CW_INLINE vfloat make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
         high = vf_add(high, make_room(high, r->dz, 2 * STRICT_ROOM));
     }
     const vfloat u8 = vf_set(8 * (FLT_EPSILON / 2)), one = vf_set(1), inverse = vf_div(one, r->dz);
-    const vfloat least = vf_mul(vf_set(FLT_MIN), vf_add(one, vf_abs(inverse)));
+    const vfloat least = vf_mul(vf_set(STRICT_LEAST), vf_add(one, vf_abs(inverse)));
     const vmask up = vf_gt(r->dz, vf_set(0));
     const vfloat enter = vf_select(up, low, high), leave = vf_select(up, high, low);
     const vfloat a = vf_mul(enter, inverse), b = vf_mul(leave, inverse);

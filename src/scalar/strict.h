@@ -86,10 +86,13 @@ static inline float strict_room(float height, float dz, float room) {
     return room * (fabsf(height) + FLT_MIN * (1 + fabsf(dz)));
 }
 
+/* 8 u of this is a normal float: Intel's CPUs take some 150 cycles for a denormal product. */
+#define STRICT_LEAST 0x1p-104f
+
 /* Sets [from, until] to the part of [t0, t1] in which the ray is between the field's lowest and highest sample;
  * holes do not count. The estimate (enter - oz) / dz has an error of 2 u of itself, u = 2^-24, and of 2^-150 if
- * numbers are denormal, and so has a height. It is set back by 8 u of itself, by 2^-147, and by the t in which the
- * ray rises by 2^-147. So it always lies strictly beyond the samples, by no more than the pyramid's slabs have room
+ * numbers are denormal, and so has a height. It is set back by 8 u of itself, by 2^-125, and by the t in which the
+ * ray rises by 2^-125. So it always lies strictly beyond the samples, by no more than the pyramid's slabs have room
  * for (papers/numerics.md). It is used only if the computed height there is beyond, so no hit is cut off; with dz =
  * 0 it is never used. */
 static inline void strict_slab(strict_ray *r, const cw_field *f, cw_leaf leaf) {
@@ -102,7 +105,7 @@ static inline void strict_slab(strict_ray *r, const cw_field *f, cw_leaf leaf) {
     }
     const float enter = up ? low : high, leave = up ? high : low;
     const float a = enter * inverse, b = leave * inverse;
-    const float least = FLT_MIN * (1 + fabsf(inverse));
+    const float least = STRICT_LEAST * (1 + fabsf(inverse));
     const float s0 = a - (8 * u) * (fabsf(a) + least), s1 = b + (8 * u) * (fabsf(b) + least);
     const float z0 = s0 * r->dz, z1 = s1 * r->dz;
     r->from = (up ? z0 < enter : z0 > enter) && s0 > r->t0 ? s0 : r->t0;
