@@ -12,7 +12,6 @@
 #include "flat_walk.h"
 #include "pyramid.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdalign.h>
 
@@ -25,8 +24,8 @@ enum { TILE = 64, PACKETS = TILE / W };
 /* For fewer rays than this, making a fat ray takes longer than it saves. */
 enum { SHARE_AT_LEAST = 4 };
 
-/* Greatest distance in cells between the origins of a tile that shares a walk and that of its first ray, along each
- * axis. With more, shadow rays lose time, as the tile falls apart at once. */
+/* Greatest distance in cells between the origins of a tile that shares a walk, along each axis. With more, shadow rays
+ * lose time, as the tile falls apart at once. */
 enum { TILE_CELLS = 16 };
 
 static inline unsigned packet_bits(ray_set rays, size_t p) {
@@ -59,82 +58,79 @@ typedef struct fat_ray {
     quadrant q;
 } fat_ray;
 
-/* True if the rays are coherent: in one direction quadrant, directions within 1/8 of the first one's length from it,
- * origins within TILE_CELLS of its origin. Right answers require only one quadrant and no negative from; the other
- * conditions are for speed. */
-static inline bool coherent(const packet *packets, ray_set rays) {
-    const unsigned first = (unsigned)__builtin_ctzll(rays);
-    const vray *one = &packets[first / W].r;
-    const unsigned lane = first % W;
-    const vfloat dx = vf_set(vf_lane(&one->x.dir, lane)), dy = vf_set(vf_lane(&one->y.dir, lane)),
-                 dz = vf_set(vf_lane(&one->dz, lane));
-    const vfloat ox = vf_set(vf_lane(&one->x.org, lane)), oy = vf_set(vf_lane(&one->y.org, lane));
-    const vfloat length = vf_max(vf_max(vf_abs(dx), vf_abs(dy)), vf_abs(dz)), zero = vf_set(0);
-    const vfloat angle = vf_mul(length, vf_set(0.125f)), apart = vf_set(TILE_CELLS);
-    for (ray_set left = rays; left != 0;) {
-        const size_t p = next_packet(&left);
-        const unsigned here = packet_bits(rays, p);
-        const vray *r = &packets[p].r;
-        vmask m = vm_and(vf_le(vf_abs(vf_sub(r->x.dir, dx)), angle), vf_le(vf_abs(vf_sub(r->y.dir, dy)), angle));
-        m = vm_and(m, vf_le(vf_abs(vf_sub(r->dz, dz)), angle));
-        m = vm_and(m, vm_and(vf_le(vf_abs(vf_sub(r->x.org, ox)), apart), vf_le(vf_abs(vf_sub(r->y.org, oy)), apart)));
-        m = vm_andnot(m, vm_or(vm_xor(r->x.up, vf_ge(dx, zero)), vm_xor(r->y.up, vf_ge(dy, zero))));
-        m = vm_and(m, vf_ge(r->from, zero)); /* products of t and dz keep their order */
-        if ((vm_bits(m) & here) != here) return false;
+/* False if the first rays are seen at once to go into several quadrants, as those of incoherent tiles mostly do. */
+static inline bool may_cohere(const packet *packets, ray_set rays) {
+    const size_t p = (size_t)__builtin_ctzll(rays) / W;
+    const unsigned here = packet_bits(rays, p);
+    const unsigned x = vm_bits(packets[p].r.x.up) & here, y = vm_bits(packets[p].r.y.up) & here;
+    return (x == 0 || x == here) && (y == 0 || y == here);
+}
+
+/* Numbers of which some rays' lowest and highest are found; of from the lowest only, as the last of 16. */
+enum { HULL_X, HULL_DX, HULL_Y, HULL_DY, HULL_OZ, HULL_DZ, HULL_UNTIL, HULL_NUMBERS, HULL_FROM = 15 };
+
+/* Adds the rays of a packet in m, or all of them. */
+CW_INLINE void hull_add(vfloat hull[16], const vray *r, bool all, vmask m) {
+    const vfloat number[HULL_NUMBERS] = {r->x.center, r->x.dir, r->y.center, r->y.dir, r->oz, r->dz, r->until};
+    for (int k = 0; k < HULL_NUMBERS; k++) {
+        vfloat *low = &hull[k], *high = &hull[HULL_NUMBERS + k];
+        const vfloat lower = vf_min(*low, number[k]), higher = vf_max(*high, number[k]);
+        *low = all ? lower : vf_select(m, lower, *low);
+        *high = all ? higher : vf_select(m, higher, *high);
     }
+    const vfloat from = vf_min(hull[HULL_FROM], r->from);
+    hull[HULL_FROM] = all ? from : vf_select(m, from, hull[HULL_FROM]);
+}
+
+/* Sets one axis from the ends of its center and its direction. Those of 1 / dir follow, since rounded division is
+ * monotone. False if rays go both up and down. If some stand and some go, a distance of zero times infinity may be NaN,
+ * which vf_min and vf_max of fat_meets, in that order, make no limit. */
+static inline bool fat_axis_init(fat_axis *a, bool *up, const float low[2], const float minus_high[2]) {
+    const float least = low[1], most = -minus_high[1];
+    *up = least >= 0;
+    if (*up != (most >= 0)) return false;
+    a->center_in = vf_set(*up ? -minus_high[0] : low[0]);
+    a->center_out = vf_set(*up ? low[0] : -minus_high[0]);
+    a->inverse_low = vf_set(most == 0 ? INFINITY : 1 / most);
+    a->inverse_high = vf_set(least == 0 ? INFINITY : 1 / least);
     return true;
 }
 
-/* Numbers of the intervals. The highest of each is found as the lowest of its negative. */
-enum { HULL_X, HULL_X_INVERSE, HULL_Y, HULL_Y_INVERSE, HULL_OZ, HULL_DZ, HULL_UNTIL, HULL_NUMBERS, HULL_FROM = 15 };
-
-/* False if on some axis the direction is zero for some rays and not for others: infinity, the inverse of zero, times a
- * distance of zero is NaN. If it is zero for all, that cannot happen, as their centers lie between borders. */
+/* False if the rays are not coherent: in one direction quadrant, with directions that differ by at most 1/4 of the
+ * longest, and origins by TILE_CELLS. Right answers require only one quadrant, and no negative from, so that products of
+ * t and dz keep their order; the other conditions are for speed. Rejected: to judge the rays first, with all of their
+ * numbers read twice. */
 static __attribute__((noinline)) bool fat_init(fat_ray *a, const packet *packets, ray_set rays) {
-    const vfloat minus = vf_set(-0.0f), infinite = vf_set(INFINITY);
-    const unsigned first = (unsigned)__builtin_ctzll(rays);
     vfloat hull[16];
-    for (int k = 0; k < 16; k++) hull[k] = infinite;
+    for (int k = 0; k < 16; k++) hull[k] = vf_set(k / HULL_NUMBERS == 1 ? -INFINITY : INFINITY);
     for (ray_set left = rays; left != 0;) {
         const size_t p = next_packet(&left);
-        const vray *r = &packets[p].r;
-        const vmask m = vm_from_bits(packet_bits(rays, p));
-        const vfloat number[HULL_NUMBERS] = {r->x.center, r->x.inverse, r->y.center, r->y.inverse,
-                                             r->oz,       r->dz,        r->until};
-        for (int k = 0; k < HULL_NUMBERS; k++) {
-            const vfloat low = vf_select(m, number[k], infinite);
-            const vfloat high = vf_select(m, vf_flip(number[k], minus), infinite);
-            hull[k] = vf_min(hull[k], low);
-            hull[HULL_NUMBERS + k] = vf_min(hull[HULL_NUMBERS + k], high);
-        }
-        const vfloat from = vf_select(m, r->from, infinite);
-        hull[HULL_FROM] = vf_min(hull[HULL_FROM], from);
+        const unsigned here = packet_bits(rays, p);
+        if (here == packet_bits(~(ray_set)0, p))
+            hull_add(hull, &packets[p].r, true, vm_set(true));
+        else
+            hull_add(hull, &packets[p].r, false, vm_from_bits(here));
     }
-    float low[16];
+    for (int k = 0; k < HULL_NUMBERS; k++) hull[HULL_NUMBERS + k] = vf_flip(hull[HULL_NUMBERS + k], vf_set(-0.0f));
+    float low[16], longest = 0;
     vf_lowest_of_each(hull, low);
-    const float *minus_high = low + HULL_NUMBERS;
-
-    a->q.up_x = vm_bits(packets[first / W].r.x.up) >> (first % W) & 1;
-    a->q.up_y = vm_bits(packets[first / W].r.y.up) >> (first % W) & 1;
+    const float *const minus_high = low + HULL_NUMBERS;
+    for (int k = HULL_DX; k <= HULL_DZ; k += 2) {
+        if (-low[k] > longest) longest = -low[k];
+        if (-minus_high[k] > longest) longest = -minus_high[k];
+    }
+    bool close = low[HULL_FROM] >= 0;
+    for (int k = HULL_DX; k <= HULL_DZ; k += 2) close &= -minus_high[k] - low[k] <= 0.25f * longest;
+    for (int k = HULL_X; k <= HULL_Y; k += 2) close &= -minus_high[k] - low[k] <= TILE_CELLS;
+    if (!close) return false;
     a->oz_low = vf_set(low[HULL_OZ]);
     a->oz_high = vf_set(-minus_high[HULL_OZ]);
     a->dz_low = vf_set(low[HULL_DZ]);
     a->dz_high = vf_set(-minus_high[HULL_DZ]);
     a->from = vf_set(low[HULL_FROM]);
     a->until = vf_set(-minus_high[HULL_UNTIL]);
-    fat_axis *const axis[2] = {&a->x, &a->y};
-    for (int c = 0; c < 2; c++) {
-        const bool up = c == 0 ? a->q.up_x : a->q.up_y;
-        const vfloat least = vf_set(low[2 * c]), most = vf_set(-minus_high[2 * c]);
-        axis[c]->center_in = up ? most : least;
-        axis[c]->center_out = up ? least : most;
-        axis[c]->inverse_low = vf_set(low[2 * c + 1]);
-        axis[c]->inverse_high = vf_set(-minus_high[2 * c + 1]);
-    }
-    /* Only rays that go up have infinite ones. */
-    const bool mixed_x = a->q.up_x && -minus_high[HULL_X_INVERSE] > FLT_MAX && low[HULL_X_INVERSE] <= FLT_MAX;
-    const bool mixed_y = a->q.up_y && -minus_high[HULL_Y_INVERSE] > FLT_MAX && low[HULL_Y_INVERSE] <= FLT_MAX;
-    return !mixed_x && !mixed_y;
+    return fat_axis_init(&a->x, &a->q.up_x, low + HULL_X, minus_high + HULL_X) &&
+           fat_axis_init(&a->y, &a->q.up_y, low + HULL_Y, minus_high + HULL_Y);
 }
 
 /* The earliest t at which one of the rays crosses an entry border, and the latest for an exit border. */

@@ -64,7 +64,7 @@ CW_INLINE void walk_apart(tile_walk *w, climber *climbers, packet_set apart, boo
 
 /* Walks the rays of w together if they are coherent; else returns false. */
 CW_INLINE bool walk_together(tile_walk *w, bool any) {
-    if (__builtin_popcountll(w->rays) < SHARE_AT_LEAST || !coherent(w->packets, w->rays)) return false;
+    if (__builtin_popcountll(w->rays) < SHARE_AT_LEAST || !may_cohere(w->packets, w->rays)) return false;
     if (!fat_init(&w->fat, w->packets, w->rays)) return false;
     shared_walk(w, any);
     return true;
