@@ -26,6 +26,8 @@ SKIPPED = 77  # exit status of --check where charts cannot be compared
 BLOCK = re.compile(r"(<!-- (table|list|text|files) (.*?)-->\n)(.*?)(<!-- end -->)", re.DOTALL)
 CHART = re.compile(r"<!-- chart (.*?)-->", re.DOTALL)
 CLASSES = ("primary", "shadow", "ao", "bounce", "random", "grazing", "afar")
+DESIGNS = {"(family 25, model 17)": "a Zen 4", "(family 26, ": "a Zen 5", "(family 6, model 173)": "a Granite Rapids",
+           "(family 6, model 207)": "an Emerald Rapids"}
 LANDS = ("65", "257", "1025", "4097", "sea-calm", "sea-rough", "jacksboro")
 ABSENT, WIDE = "–", "n. c."  # not measured; not converged
 NAMES = {"ao": "ambient occlusion", "afar": "from afar", "within-2": "from within 2 cells", "sea-calm": "calm sea",
@@ -218,7 +220,12 @@ def named(number):
     return ABSENT if number is None else f"{digits(number)} ({number.item})"
 
 
-HELPERS = {f.__name__: f for f in (digits, three, dur, share, name, grouped, mean, quotable, lowest, highest)}
+def design(run):
+    """What a run's CPU is called, whose own name may tell nothing."""
+    return next((design for model, design in DESIGNS.items() if model in run["cpu"]), "an unknown design")
+
+
+HELPERS = {f.__name__: f for f in (design, digits, three, dur, share, name, grouped, mean, quotable, lowest, highest)}
 HELPERS.update(CLASSES=CLASSES, LANDS=LANDS)
 
 

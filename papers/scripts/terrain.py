@@ -265,6 +265,8 @@ def main():
     parser.add_argument("--sides", default="1025,4097", help="samples a side (default: %(default)s)")
     parser.add_argument("--rounds", type=int, default=3, help="times each run is repeated; the least counts")
     options = parser.parse_args()
+    if missing := [program for program in ("gdalinfo", "gdal_viewshed", TIME[0]) if not shutil.which(program)]:
+        sys.exit(f"terrain.py: {', '.join(missing)}: not found; Debian's packages gdal-bin and time have these programs")
     tool = os.path.abspath(options.tool)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     with tempfile.TemporaryDirectory() as folder:
