@@ -173,6 +173,7 @@ static const row table[] = {
     {"adversarial", any_shape, adversarial_rays, every_kernel, ALL_SHAPES, ALL_SHAPES, 10214, 20, .hits = 0.1},
     {"towers", towers, rays_past_towers, every_kernel, 200, 1, RUN_MAX, RUN_MAX, .hits = 0.1},
     {"steep", large_shape, steep_rays, pyramids, 1, 1, 61440, 960, .hits = 0.3},
+    {"standing", large_shape, standing_rays, pyramids, 1, 1, 61440, 960, .hits = 0.3},
     /* The lane walk keeps rays from batch to batch, and counts them anew after some 2^16. */
     {"long call", large_shape, rays_in_turn, pyramids, 1, 1, RAYS_MAX, 66000, .slow = true, .hits = 0.1},
     {"beside", plane, rays_beside_plane, pyramids, 600, 14, 600, 600, .one_call = true, .slow = true, .some_miss = true,

@@ -109,6 +109,25 @@ size_t steep_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
     return most;
 }
 
+/* Tiles of like rays from whole and half places. Along each axis some stand and the rest go one way, so where a tile is
+ * one fat ray, the distance of one ray from a border is zero while another's 1 / dir is infinite. */
+size_t standing_rays(const ground *g, cw_ray *rays, size_t most, random_state *r) {
+    const test_field *f = g->shape;
+    for (size_t k = 0; k < most;) {
+        const size_t corner[2] = {random_below(r, f->nx - 10), random_below(r, f->ny - 10)};
+        const float turn[2] = {random_below(r, 2) ? 1 : -1, random_below(r, 2) ? 1 : -1};
+        for (size_t n = 0; n < 64 && k < most; n++, k++) {
+            cw_ray *ray = &rays[k];
+            *ray = (cw_ray){.org = {0, 0, f->high + 2}, .dir = {0, 0, -4}, .tmax = INFINITY};
+            for (int c = 0; c < 2; c++) {
+                ray->org[c] = (float)(corner[c] + random_below(r, 8)) + (random_below(r, 3) ? 0 : 0.5f);
+                ray->dir[c] = turn[c] * (float)random_below(r, 3) / 4;
+            }
+        }
+    }
+    return most;
+}
+
 /* ---- known ------------------------------------------------------------------------------------------------------- */
 
 /* A component that counts as zero, signs of zeros, a tower, a range of the hit alone. All samples but four are 0. */

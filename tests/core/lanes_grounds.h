@@ -34,7 +34,7 @@ typedef size_t ray_maker(const ground *g, cw_ray *rays, size_t most, random_stat
 
 /* Every shape and size, and rays of the classes of rays.h: runs of any length, plain or in bundles of like rays. */
 field_maker any_shape, large_shape, small_shape;
-ray_maker random_rays, steep_rays, adversarial_rays, rays_in_turn;
+ray_maker random_rays, steep_rays, standing_rays, adversarial_rays, rays_in_turn;
 
 /* Rays that simd/packet_kernel.c and src/scalar/cell.c guess to be short. Some of them are long. */
 field_maker cliff;
