@@ -68,26 +68,45 @@ static const walk_order orders[4] = {
 #undef COLUMNS
 #undef ROWS
 
-/* Crossings with the borders of lanes k and on, of node (x, y), whose children have that side. A border is a side,
- * which is a power of two, times a number below 2^24: nothing rounds it. */
-CW_INLINE void cross_children(const vray *r, const child_borders *b, size_t k, ptrdiff_t x, ptrdiff_t y, float side,
-                              vcell *c) {
-    const vfloat s = vf_set(side), low_x = vf_set((float)(int32_t)(4 * x)), low_y = vf_set((float)(int32_t)(4 * y));
+/* Where a node begins, in sides of a child: a number in all lanes. */
+typedef struct node_corner {
+    vfloat x, y;
+} node_corner;
+
+static inline node_corner corner_of(ptrdiff_t x, ptrdiff_t y) {
+    return (node_corner){vf_set((float)(int32_t)(4 * x)), vf_set((float)(int32_t)(4 * y))};
+}
+
+/* Those of a node's children, in walk order. Loaded by the child's place, its corner is known sooner than it could be
+ * computed from the child's number, and all operations on that child wait for it. */
+typedef struct child_corners {
+    float x[CHILDREN], y[CHILDREN];
+} child_corners;
+
+CW_INLINE void place_children(child_corners *to, node_corner at, const child_borders *b) {
+    vf_store(to->x, vf_mul(vf_set(4), vf_add(at.x, vf_min(vf_load(b->in_x), vf_load(b->out_x)))));
+    vf_store(to->y, vf_mul(vf_set(4), vf_add(at.y, vf_min(vf_load(b->in_y), vf_load(b->out_y)))));
+}
+
+/* Crossings with the borders of lanes k and on, of the node that begins there, whose children have that side. A border
+ * is a side, which is a power of two, times a number below 2^24: nothing rounds it. */
+CW_INLINE void cross_children(const vray *r, const child_borders *b, size_t k, node_corner at, float side, vcell *c) {
+    const vfloat s = vf_set(side);
     const size_t column = W < 4 ? k : 0; /* columns are the same in each row, so vectors of whole rows share them */
-    c->x_in = vf_mul(vf_mul_sub(vf_add(low_x, vf_load(b->in_x + column)), s, r->x.center), r->x.inverse);
-    c->y_in = vf_mul(vf_mul_sub(vf_add(low_y, vf_load(b->in_y + k)), s, r->y.center), r->y.inverse);
-    c->x_out = vf_mul(vf_mul_sub(vf_add(low_x, vf_load(b->out_x + column)), s, r->x.center), r->x.inverse);
-    c->y_out = vf_mul(vf_mul_sub(vf_add(low_y, vf_load(b->out_y + k)), s, r->y.center), r->y.inverse);
+    c->x_in = vf_mul(vf_mul_sub(vf_add(at.x, vf_load(b->in_x + column)), s, r->x.center), r->x.inverse);
+    c->y_in = vf_mul(vf_mul_sub(vf_add(at.y, vf_load(b->in_y + k)), s, r->y.center), r->y.inverse);
+    c->x_out = vf_mul(vf_mul_sub(vf_add(at.x, vf_load(b->out_x + column)), s, r->x.center), r->x.inverse);
+    c->y_out = vf_mul(vf_mul_sub(vf_add(at.y, vf_load(b->out_y + k)), s, r->y.center), r->y.inverse);
 }
 
 /* The children of node (x, y) that the ray meets, in walk order. */
 CW_INLINE unsigned open_node(const vray *r, quadrant q, const walk_order *o, const cw_pyramid_level *l, ptrdiff_t x,
-                             ptrdiff_t y) {
+                             ptrdiff_t y, node_corner at) {
     const float *brick = l->bricks + (y * l->across + x) * BRICK_FLOATS;
     unsigned mask = 0;
     for (size_t k = 0; k < CHILDREN; k += W) {
         vcell c;
-        cross_children(r, ORDERED ? &o->on_way : &o->in_place, k, x, y, l->side, &c);
+        cross_children(r, ORDERED ? &o->on_way : &o->in_place, k, at, l->side, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
         const vfloat z0 = vf_mul(t0, r->dz), z1 = vf_mul(t1, r->dz);
         const float *lows = brick + k, *highs = lows + CHILDREN;
@@ -103,7 +122,7 @@ CW_INLINE unsigned open_node(const vray *r, quadrant q, const walk_order *o, con
 
 /* Tests the cells of block (x, y). Lanes stay in the cells' own order: only a hit needs a mask in walk order. */
 CW_INLINE one_cell test_block(const one_ray *one, const vray *r, quadrant q, const walk_order *o, const cw_field *f,
-                              ptrdiff_t x, ptrdiff_t y, strict_find *found) {
+                              ptrdiff_t x, ptrdiff_t y, node_corner at, strict_find *found) {
     block_samples s;
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     const ptrdiff_t step = (ptrdiff_t)s.stride;
@@ -111,7 +130,13 @@ CW_INLINE one_cell test_block(const one_ray *one, const vray *r, quadrant q, con
         size_t k = q.up_y ? n : CHILDREN - W - n; /* front to back */
         if (W == 1) k ^= (size_t)turn(q);
         vcell c;
-        cross_children(r, &o->in_place, k, x, y, 1, &c);
+        c.i = vf_add(at.x, vf_load(lane_x[0] + (W < 4 ? k : 0)));
+        c.j = vf_add(at.y, vf_load(lane_y[0] + k));
+        /* The leaf test's division takes long, so it begins before the gate. Without the asm, compilers put it behind. */
+        vfloat crossing = vf_div(vf_sub(vf_sub(vf_set(one->org[1]), c.j), vf_sub(vf_set(one->org[0]), c.i)),
+                                 vf_set(one->dir[0] - one->dir[1]));
+        __asm__ volatile("" : "+m"(crossing));
+        cross_children(r, &o->in_place, k, at, 1, &c);
         clip_cell(&c, r);
         c.h00 = vf_load_block(s.z, step, k / W);
         c.h10 = vf_load_block(s.z + 1, step, k / W);
@@ -119,8 +144,6 @@ CW_INLINE one_cell test_block(const one_ray *one, const vray *r, quadrant q, con
         c.h11 = vf_load_block(s.z + step + 1, step, k / W);
         const vmask gate = cell_gate(r, &c);
         if (!vm_any(gate)) continue;
-        c.i = vf_add(vf_set((float)(int32_t)(4 * x)), vf_load(lane_x[0] + (W < 4 ? k : 0)));
-        c.j = vf_add(vf_set((float)(int32_t)(4 * y)), vf_load(lane_y[0] + k));
         vfind find;
         vray whole = *r;
         /* What nodes do not read. Without the asm, compilers make it before the walk, and store it. */
@@ -128,7 +151,7 @@ CW_INLINE one_cell test_block(const one_ray *one, const vray *r, quadrant q, con
         whole.x.up = vm_set(q.up_x), whole.y.up = vm_set(q.up_y);
         whole.x.org = vf_set(one->org[0]), whole.x.dir = vf_set(one->dir[0]);
         whole.y.org = vf_set(one->org[1]), whole.y.dir = vf_set(one->dir[1]);
-        const unsigned hits = vm_bits(wt_cell_in(&whole, &c, gate, &find));
+        const unsigned hits = vm_bits(wt_cell_in(&whole, &c, gate, &crossing, &find));
         if (hits == 0) continue;
         int lane = __builtin_ctz(hits); /* mostly the only one */
         if (hits & (hits - 1)) lane = nearest(in_walk_order(hits, q), q) ^ turn(q);
@@ -198,18 +221,21 @@ static __attribute__((noinline)) one_cell walk_one(const cw_field *f, const one_
     ptrdiff_t x = 0, y = 0;
     if (start) level = -1, x = start->i >> 2, y = start->j >> 2;
     ptrdiff_t top = level;
+    child_corners corners[PYRAMID_LEVELS_MAX]; /* set if ORDERED */
+    node_corner at = corner_of(x, y);
     for (;;) {
         __asm__("" : "+r"(o)); /* else compilers load its tables before the walk, to store them again */
         if (level < 0) {
-            const one_cell cell = test_block(one, &r, q, o, f, x, y, found);
+            const one_cell cell = test_block(one, &r, q, o, f, x, y, at, found);
             if (cell != NO_CELL) return cell;
             mask = 0;
         } else {
             const bool judged = __builtin_expect(opened >= OPENS, 0) && level + 1 < p->levels;
             mask = judged && slab_misses(one, f, (int)level + 1, (int32_t)x, (int32_t)y)
                        ? 0
-                       : open_node(&r, q, o, &p->level[level], x, y) & keep;
+                       : open_node(&r, q, o, &p->level[level], x, y, at) & keep;
             keep = ~0u;
+            if (ORDERED && mask != 0) place_children(&corners[level], at, &o->on_way);
         }
         while (mask == 0) {
             if (++level == p->levels) return NO_CELL;
@@ -223,12 +249,17 @@ static __attribute__((noinline)) one_cell walk_one(const cw_field *f, const one_
             }
             mask = todo[level];
         }
-        if (mask == 0) continue;
+        if (mask == 0) {
+            at = corner_of(x, y);
+            continue;
+        }
         opened++;
         const int32_t place = ORDERED ? __builtin_ctz(mask) : nearest(mask, q), child = place ^ flip;
+        if (ORDERED) at = (node_corner){vf_set(corners[level].x[place]), vf_set(corners[level].y[place])};
         todo[level--] = mask ^ 1u << place;
         x = 4 * x + (child & 3);
         y = 4 * y + (child >> 2);
+        if (!ORDERED) at = corner_of(x, y);
     }
 }
 

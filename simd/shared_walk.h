@@ -66,7 +66,7 @@ CW_INLINE unsigned packet_finds(const block_cells *b, quadrant q, packet *l, siz
         c.h01 = vf_set(high[0]);
         c.h11 = vf_set(high[1]);
         vfind find;
-        const vmask now = wt_cell_in(r, &c, gate, &find);
+        const vmask now = wt_cell_in(r, &c, gate, NULL, &find);
         const unsigned hits = vm_bits(now);
         if (hits == 0) continue;
         if (!any) keep_hits(&l->hit, found == 0 && !vm_any(l->found), now, &find, &c);

@@ -43,9 +43,10 @@ CW_INLINE vfloat wt_inside(const vwt *r, vfloat t, vmask *in_b) {
     return vf_sub(vf_mul(t, r->dz), vf_max(low, vf_min(high, z)));
 }
 
-/* The height difference on the diagonal, at the t where the ray crosses it. */
-CW_INLINE vfloat wt_diagonal(const vwt *r, const vcell *c, vfloat *t) {
-    *t = vf_max(c->t0, vf_min(vf_div(vf_sub(r->y, r->x), vf_sub(r->dx, r->dy)), c->t1));
+/* The height difference on the diagonal, at the t where the ray crosses it; crossing as for wt_cell_in. */
+CW_INLINE vfloat wt_diagonal(const vwt *r, const vcell *c, const vfloat *crossing, vfloat *t) {
+    const vfloat line = crossing ? *crossing : vf_div(vf_sub(r->y, r->x), vf_sub(r->dx, r->dy));
+    *t = vf_max(c->t0, vf_min(line, c->t1));
     return vf_sub(vf_mul(*t, r->dz), wt_edge(r->h00, r->h11, wt_within(r->x, r->dx, *t)));
 }
 
@@ -57,8 +58,9 @@ static inline vmask wt_between(vfloat da, vfloat db) {
 /* The diagonal first: its division takes longest. With fewer than 32 registers, its results wait in memory instead. */
 enum { EARLY = W == 16 };
 
-/* Lanes among which the cell is hit. In others *find is undefined. */
-CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *find) {
+/* Lanes among which the cell is hit. In others *find is undefined. crossing: t on the diagonal's line; NULL if the
+ * caller has not computed it. */
+CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, const vfloat *crossing, vfind *find) {
     const vwt r = {vf_sub(ray->x.org, c->i),
                    vf_sub(ray->y.org, c->j),
                    ray->x.dir,
@@ -69,7 +71,7 @@ CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *
                    above_origin(ray, c->h01),
                    above_origin(ray, c->h11)};
     vfloat td, dd;
-    if (EARLY) dd = wt_diagonal(&r, c, &td);
+    if (EARLY) dd = wt_diagonal(&r, c, crossing, &td);
     const vmask enter_x = vf_gt(c->x_in, c->y_in), leave_x = vf_le(c->x_out, c->y_out);
     /* Low side: entered going up, left going down. Where a ray goes up on one axis only, the border's axis decides. */
     const vmask mixed = vm_xor(ray->x.up, ray->y.up);
@@ -95,7 +97,7 @@ CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *
         out_b = vm_or(vm_and(at_out, out_b), vm_andnot(stop_b, at_out));
     }
     const vmask crosses = vm_xor(in_b, out_b);
-    if (!EARLY) dd = wt_diagonal(&r, c, &td);
+    if (!EARLY) dd = wt_diagonal(&r, c, crossing, &td);
     /* first: the hit is before the diagonal; second: after it, if there is one. Without a crossing, one stretch from
      * border to border. */
     const vmask first = vm_and(crosses, wt_between(da, dd)), second = vm_andnot(crosses, first);
@@ -109,7 +111,7 @@ CW_INLINE vmask wt_cell_in(const vray *ray, const vcell *c, vmask among, vfind *
 
 /* The same, not inlined: most walks have no registers left for it. */
 static __attribute__((noinline, unused)) vmask wt_cell(const vray *ray, const vcell *c, vmask among, vfind *find) {
-    return wt_cell_in(ray, c, among, find);
+    return wt_cell_in(ray, c, among, NULL, find);
 }
 
 #endif
