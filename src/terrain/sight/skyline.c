@@ -116,9 +116,11 @@ static void put_in_place(skyline *s, uint32_t first, uint32_t last, size_t n) {
     leave_out(s, at, behind);
 }
 
-static void leave_room(skyline_piece *p, double above) {
+/* An edge that is left out may be higher than a piece by that. Looks allow for the greatest slope of such edges too. */
+static void leave_room(skyline *s, uint32_t piece, double above, double slope) {
     const float most = rounded_up(above);
-    if (most > p->above) p->above = most;
+    if (most > s->pieces[piece].above) s->pieces[piece].above = most;
+    if (most > 0 && fabs(slope) > s->steepest) s->steepest = fabs(slope);
 }
 
 void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const double other[2]) {
@@ -160,7 +162,7 @@ void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const doubl
             if (below > (double)edge.below) edge.below = below < 1e30 ? nextafterf((float)below, INFINITY) : INFINITY;
         }
         if (!(over_left > 0 || over_right > 0)) {
-            leave_room(&s->pieces[last], rounding + skyline_larger(over_left, over_right));
+            leave_room(s, last, rounding + skyline_larger(over_left, over_right), edge.b);
             if (higher) n = put(s->cuts, n, left, &p[last]);
             if (end >= until) break;
             left = right;
@@ -176,7 +178,7 @@ void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const doubl
             n = put(s->cuts, n, left, &edge);
         } else {
             edge.above = rounded_up((double)p[last].above + rounding);
-            leave_room(&s->pieces[last], rounding);
+            leave_room(s, last, rounding, edge.b);
             double middle = left + (right - left) * (over_left / (over_left - over_right));
             middle = middle < left ? left : middle > right ? right : middle;
             n = put(s->cuts, n, left, over_left > 0 ? &edge : &p[last]);

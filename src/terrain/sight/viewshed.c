@@ -98,15 +98,17 @@ static void measure_sample(void *context, size_t i, size_t j, const sweep_way *w
 static uint64_t measure_span(void *context, const sweep_span *s) {
     const viewshed *q = context;
     const sight *from = q->sight;
-    const double metres = q->sight->terrain->map[2][2], across = s->down ? 0 : 1, i = (double)s->i, j = (double)s->j;
+    const double metres = q->sight->terrain->map[2][2], across = s->down ? 0 : 1, eye = from->eye[2], i = (double)s->i,
+                 j = (double)s->j;
     float needs[SWEEP_SPAN_MOST];
     bool open[SWEEP_SPAN_MOST];
     uint64_t left = 0;
     for (int k = 0; s->rise && k < (int)s->count; k++) {
         const double fall = sight_fall(from, i + across * k, j + (1 - across) * k);
-        const double top = (double)s->z[k] - from->eye[2] - fall, rise = s->rise[k];
+        const double z = (double)s->z[k], top = z - eye - fall, rise = s->rise[k];
+        const double error = s->error[k] + 0x1p-50 * (fabs(z) + fabs(eye) + fabs(fall)); /* that of top too */
         const double need = ((rise > top ? rise : top) - top) * metres;
-        open[k] = !(fabs(rise - top) > s->error[k]) | !is_sure(need, s->error[k] * metres);
+        open[k] = !(fabs(rise - top) > error) | !is_sure(need, error * metres);
         needs[k] = (float)need;
     }
     for (size_t k = 0; k < s->count; k++) {
