@@ -55,7 +55,7 @@ def usage():
 
 def run(product, source, out, workers):
     """Each product gets new workers, so that their memory is that of one product."""
-    with LocalCluster(workers, processes=True, threads_per_worker=1, dashboard_address=None, local_directory=out.parent) as cluster:
+    with LocalCluster(n_workers=workers, processes=True, threads_per_worker=1, dashboard_address=None, local_directory=out.parent) as cluster:
         with Client(cluster) as client:
             before = client.run(usage)
             start = time.perf_counter()

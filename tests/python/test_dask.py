@@ -201,7 +201,7 @@ def test_a_worker_is_killed(file):
             return rows(self, *arguments)
         cw.Field._rows = held
 
-    with LocalCluster(2, processes=True, threads_per_worker=1, dashboard_address=None, local_directory=here) as cluster, Client(cluster) as client:
+    with LocalCluster(n_workers=2, processes=True, threads_per_worker=1, dashboard_address=None, local_directory=here) as cluster, Client(cluster) as client:
         client.wait_for_workers(2)
         (victim, process), (_, other) = client.run(os.getpid).items()
         client.run(wait_in_the_second_chunk, workers=[victim])
