@@ -263,7 +263,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tool", help="the program cellwalk")
     parser.add_argument("--sides", default="1025,4097", help="samples a side (default: %(default)s)")
-    parser.add_argument("--rounds", type=int, default=3, help="times each run is repeated; the least counts")
+    parser.add_argument("--rounds", type=int, default=7, help="times each run is repeated; the least counts")
     options = parser.parse_args()
     if missing := [program for program in ("gdalinfo", "gdal_viewshed", TIME[0]) if not shutil.which(program)]:
         sys.exit(f"terrain.py: {', '.join(missing)}: not found; Debian's packages gdal-bin and time have these programs")
