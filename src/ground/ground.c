@@ -140,8 +140,8 @@ bool ground_check(const ground *g, cw_rectangle piece, double more, io_error *er
                        piece.ny);
     const double bytes = bytes_of(piece, more), need = fmin(bytes + others, 4 * bytes);
     const bool few = g->bytes < 1000;
-    return io_fail(error, "%s: %zu x %zu samples matter at once, which need --memory %.0fM; there is %.9g%s", g->path,
-                   piece.nx, piece.ny, ceil(need / 1e6), few ? g->bytes : g->bytes / 1e6, few ? "" : "M");
+    return io_fail(error, "%s: %zu x %zu samples matter at once, which need --memory %.0fM or more; there is %.9g%s",
+                   g->path, piece.nx, piece.ny, ceil(need / 1e6), few ? g->bytes : g->bytes / 1e6, few ? "" : "M");
 }
 
 /* ---- pieces ------------------------------------------------------------------------------------------------------ */

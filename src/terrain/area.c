@@ -18,6 +18,8 @@ cw_status cw_area_begin(const terrain *t, const void *desc, const char *name, co
                        at->nx, at->ny, at->i, at->j, t->nx, t->ny);
     const size_t answers = at->nx / every + (at->nx % every != 0);
     if (area->stride == 0) area->stride = answers;
-    if (area->stride >= answers) return CW_OK;
-    return cw_fail(CW_ERROR_ARGUMENT, "stride: %zu; a row has %zu answers", area->stride, answers);
+    if (area->stride < answers)
+        return cw_fail(CW_ERROR_ARGUMENT, "stride: %zu; a row has %zu answers", area->stride, answers);
+    if (at->ny == 0 || area->stride <= PTRDIFF_MAX / sizeof(double) / at->ny) return CW_OK;
+    return cw_fail(CW_ERROR_ARGUMENT, "stride: %zu; no array holds %zu such rows", area->stride, at->ny);
 }

@@ -91,7 +91,8 @@ static const char *unit_name(double metres, char text[IO_UNIT_NAME]) {
 
 static const char *height_unit(const io_raster *r, char *text) {
     const io_georef *g = &r->georef;
-    const double map = g->geographic ? 1 : g->unit; /* metres in a height on the map */
+    const bool metres = g->geographic || (g->unit == 0 && g->height_unit > 0); /* the map's heights */
+    const double map = metres ? 1 : g->unit;
     return unit_name(g->placed ? r->map[2][2] * map : 0, text);
 }
 

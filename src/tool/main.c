@@ -56,7 +56,7 @@ static void on_signal(int number) {
 }
 
 static void handle_signals(void) {
-    static const int asked[] = {SIGINT, SIGTERM, SIGHUP};
+    static const int asked[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
     struct sigaction old, action = {.sa_handler = on_signal, .sa_flags = SA_NODEFER}; /* a raise takes effect at once */
     for (size_t k = 0; k < sizeof asked / sizeof *asked; k++)
         /* nohup and background jobs of simple shells start programs with these ignored: so they stay. */

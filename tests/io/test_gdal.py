@@ -103,6 +103,7 @@ DEGREE, SURVEY = 0.017453292519943295, 1200 / 3937
     ("EPSG:2263", "metre", 1 / SURVEY, 1, SURVEY),
     ("EPSG:4326", "Foot", 0.3048, 0.3048, DEGREE),
     ("EPSG:4326", None, 1, 0, DEGREE),
+    (None, "ft", 0.3048, 0.3048, 0), (None, "m", 1, 1, 0),  # x and y are taken as metres
     ("EPSG:26918+6360", None, SURVEY, SURVEY, 1)])  # heights in feet, as a compound system says
 def test_units_are_known(files, crs, unit, zscale, metres, map_unit):
     found = files.raster(tif(crs=crs, unit=unit))
@@ -122,7 +123,8 @@ def test_units_of_other_formats(files):
 
 def test_what_smells_is_said(files):
     assert "'fathom'" in files.raster(tif(unit="fathom")).warnings[0]
-    found = files.raster("a.tif", zscale=1.8288)
+    assert "counts depths" in files.raster(tif(crs="EPSG:32632+5715")).warnings[0]
+    found = files.raster(tif(unit="fathom"), zscale=1.8288)
     assert found.map[2, 2] == 1.8288 and not found.warnings
     files.raster_refused("the file gives the distance", "a.tif", zscale=1.8288, cellsize=5)
     z = values()

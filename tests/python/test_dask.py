@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """DataArrays in, DataArrays out. Products by chunks have the bits of those of the whole raster, whatever is killed meanwhile."""
+import contextlib
 import itertools
 import os
 import signal
@@ -137,7 +138,12 @@ def test_chunked_dataarray(placed):
     assert (lit.x == d.x).all()
     packed = xr.DataArray(np.arange(9.0).reshape(3, 3), dims=("y", "x"))
     packed.encoding = {"_FillValue": 4, "scale_factor": 0.1}  # of what the file stores
-    assert cw.Field(packed).z[1, 1] == 4
+    assert cw.Field(packed.assign_attrs(scale_factor=1.0, add_offset=0.0)).z[1, 1] == 4
+    with pytest.raises(ValueError, match="mask_and_scale"):
+        cw.Field(packed.assign_attrs(scale_factor=0.1))
+    with pytest.warns(match="x and y are taken as metres") if placed else contextlib.nullcontext():
+        feet = cw.Field(d.assign_attrs(units="ft"))
+    assert feet.map[2, 2] == (0.3048 if placed else 1)
     x, y, near = (603000, 4996000, 1500) if placed else (100, 190, 50)
     same(compute(cwd.viewshed(chunked, x, y, max_distance=near)), field.viewshed(x, y, max_distance=near).values)
     same(compute(cwd.sky_view(chunked, 4)), field.sky_view(4).values)

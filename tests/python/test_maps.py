@@ -209,6 +209,7 @@ STATE = (100, 0, 1.6e6, 0, -100, 4e5), MAPS["feet"]
     (np.where(HILLS > 3, HILLS, -9999), (METRES, MAPS["utm"]), "metre", "3 samples are -9999", {"nodata": -9999}),
     (HILLS + 1e9, (METRES, MAPS["utm"]), "metre", "heights are floats, and those up to 1e+09 are rounded to multiples of 64", {}),
     (HILLS, STATE, None, "heights taken as US survey ft, as x and y;", {"zscale": 3.2808}),
+    (HILLS, (METRES, None), "ft", "heights are in ft, and x and y are taken as metres", {"zscale": 1}),
     # A part that no file covers reads as 0. A coast, and a plain with towers, look otherwise.
     (TILE, (METRES, MAPS["utm"]), "metre", "28 % of the samples are exactly 0, and the next ones are 104", {"nodata": 0}),
     *((z + (z == 0) * (np.arange(50) % 2) * np.float32(0.5), (METRES, MAPS["utm"]), "metre", None, {})
@@ -221,7 +222,7 @@ def test_what_looks_wrong(z, place, units, words, silent):
         for command in ("shadow", "--sun", "200,30", "-o", "o.tif"), ("info",):
             said = run(command[0], path, *command[1:], *more).err
             assert said.count("warning:") == (warned is not None) and (warned or "") in said and all(f"--{k} {v}" in said for k, v in silent.items() if warned)
-        makers = [lambda: cw.open(path, **options)] + [lambda: cw.Field(z, *place, **options)] * (units is None or place is not STATE)
+        makers = [lambda: cw.open(path, **options)] + [lambda: cw.Field(z, *place, **options)] * (units is None or units == "metre" and place is not STATE)
         for make in makers:
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always")

@@ -98,6 +98,7 @@ def wrong_products(map):
     yield from [("altitude 91 90", "shadow", light(altitude=91), {}), ("radius 11 10", "sunlight", light(radius=11), {}),
                 ("strips 65 64", "sunlight", light(strips=65), {}), ("curvature -1", "sunlight", light(curvature=-1), {}),
                 ("area 61 x 1", "sunlight", light(), {"at": (1, 0, NX, 1)}), ("stride 60 61", "sunlight", light(), {"at": (0, 0, NX, 1), "stride": 60}),
+                (f"such rows {2**64 - 1}", "sunlight", light(), {"stride": 2**64 - 1}),
                 ("number 32 31", "horizon_angles degrees", horizon(), {"number": 32}), ("degrees NULL", "horizon_angles degrees", horizon(), {"to": None}),
                 ("count 3601 3600", "sky_view", horizon(count=3601), {}), ("flags 4 3", "sky_view", horizon(flags=4), {}),
                 ("curvature", "openness", horizon(flags=2, curvature=1), {}), ("stride 30 31", "visibility area", sight(every=2), {"stride": 30}),

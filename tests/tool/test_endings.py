@@ -46,7 +46,7 @@ def test_before_anything_is_written():
         interrupted(*words, input=words[1], writes=False)
 
 
-@pytest.mark.parametrize("signals", [[signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT, signal.SIGTERM]])
+@pytest.mark.parametrize("signals", [[signal.SIGTERM], [signal.SIGHUP], [signal.SIGQUIT], [signal.SIGINT, signal.SIGTERM]])
 def test_signals(signals):
     """A second one is the end."""
     assert "interrupted" in interrupted(*TRACE, signals=signals).err or len(signals) > 1

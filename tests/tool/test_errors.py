@@ -64,7 +64,7 @@ LINES = r"""
 1 | no sample is in it; samples go from 0,0 to 590,490 | shadow wall.npy --cellsize 10 --sun 0,30 --window 5000,0,6000,10 -o no.npy
 1 | XMIN > XMAX or YMIN > YMAX; samples go from | shadow wall.npy --cellsize 10 --sun 0,30 --window {20,0,10,10;0,20,10,10} -o no.npy
 2 | --memory takes a number of bytes | shadow wall.npy --sun 0,30 --memory {2X;"2 "} -o no.npy
-1 | 60 x 50 samples matter at once, which need --memory 1M; there is {0.03M;12} | horizon wall.npy --memory {0.03M;12} -o no.npy
+1 | 60 x 50 samples matter at once, which need --memory 1M or more; there is {0.03M;12} | horizon wall.npy --memory {0.03M;12} -o no.npy
 2 | --from X,Y is missing | viewshed wall.npy -o no.npy
 1 | is too far away | {viewshed wall.npy -o no.npy --from 3,1e308,=9;los wall.npy 1e308,1e308,=9 10,10,2;los wall.npy 10,10,2 1e8,3,=9}
 2 | unknown option --height; the height of a place is its third number: X,Y,H | viewshed wall.npy --from 1,2 --height 3 -o no.npy

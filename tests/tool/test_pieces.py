@@ -78,7 +78,7 @@ def test_horizons_below_the_level():
 
 @pytest.mark.parametrize("why, command, words", [
     # On a flat earth summits see all of it.
-    ("40 x 3300 samples matter at once, which need --memory 5M; there is 2M", "horizon", ("--memory", "2M")),
+    ("40 x 3300 samples matter at once, which need --memory 5M or more; there is 2M", "horizon", ("--memory", "2M")),
     ("samples matter at once", "horizon", ("--memory", "1M", "--curvature", 100)),
     ("40 x 3300 samples matter at once", "sun", (*DAY[1:], "--memory", "2M", "--irradiance"))])
 def test_bands_that_would_be_too_large(strip, why, command, words):

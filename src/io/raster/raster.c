@@ -76,12 +76,19 @@ void io_raster_smell(const char *path, const io_warner *warn, const io_raster *r
     uselocale(before);
 }
 
-/* A guess that is wrong makes relief 3.28 times too flat. */
-static void tell_guessed_heights(const char *path, const io_raster_options *options, const io_raster *raster) {
+/* A guess that is wrong makes relief 3.28 times too flat, or too steep. */
+static void tell_guessed_unit(const char *path, const io_raster_options *options, const io_raster *raster) {
     const io_georef *g = &raster->georef;
     char unit[IO_UNIT_NAME];
-    if (options->zscale > 0 || g->height_unit > 0 || !g->placed || g->geographic || g->unit == 0 || g->unit == 1)
-        return;
+    if (options->zscale > 0 || !g->placed || g->geographic) return;
+    if (g->height_unit > 0 && g->height_unit != 1 && g->unit == 0 && options->cellsize == 0) {
+        io_unit_name(g->height_unit, unit);
+        io_warn(&options->warn,
+                "%s: heights are in %s, and x and y are taken as metres, as no coordinate system says; --zscale 1 if "
+                "they are in the unit of heights",
+                path, unit);
+    }
+    if (g->height_unit > 0 || g->unit == 0 || g->unit == 1) return;
     io_unit_name(g->unit, unit);
     io_warn(&options->warn, "%s: heights taken as %s, as x and y; --zscale %.5g if they are metres", path, unit,
             1 / g->unit);
@@ -93,8 +100,9 @@ static void smell_degrees(const char *path, const io_raster_options *options, co
     if (g->placed && g->crs == NULL && dx > 0 && dx < 0.1 && fabs(x) <= 360 && fabs(y) <= 90)
         io_warn(&options->warn,
                 "%s: samples are %g apart around (%g, %g), which looks like degrees, but the file names no coordinate "
-                "system; heights are taken in the same unit",
-                path, dx, x, y);
+                "system; %s",
+                path, dx, x, y,
+                g->height_unit > 0 ? "x and y are taken as metres" : "heights are taken in the same unit");
 }
 
 bool io_raster_allocate(const char *path, io_raster *r, io_error *error) {
@@ -131,10 +139,10 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
     }
     if (options->zscale > 0)
         raster->map[2][2] = options->zscale;
-    else if (g->height_unit > 0 && (g->geographic || g->unit > 0))
-        raster->map[2][2] = g->height_unit / (g->geographic ? 1 : g->unit);
+    else if (g->height_unit > 0 && g->placed)
+        raster->map[2][2] = g->height_unit / (g->geographic || g->unit == 0 ? 1 : g->unit);
     if (raster->z != NULL) io_raster_smell(path, &options->warn, raster);
-    tell_guessed_heights(path, options, raster);
+    tell_guessed_unit(path, options, raster);
     smell_degrees(path, options, raster);
     return true;
 }

@@ -114,6 +114,8 @@ def describe_dataarray(z, transform=None, crs=None, nodata=None, zscale=None) ->
     y, x = like.dims
     if str(x).lower() in _Y_NAMES or str(y).lower() in _X_NAMES:
         raise ValueError(f"z: dimensions {like.dims}, expected (y, x); use .transpose({x!r}, {y!r})")
+    if (like.attrs.get("scale_factor", 1), like.attrs.get("add_offset", 0)) != (1, 0):
+        raise ValueError("z: attrs have scale_factor or add_offset, so its numbers are not heights yet; open it with mask_and_scale=True")
     placed = True
     if transform is not None:
         affine = map_of_transform(transform)
@@ -179,8 +181,11 @@ def _source(samples, shape, affine: np.ndarray, placed: bool, crs: Crs, nodata, 
               "(crs); heights are taken in the same unit")
     if zscale is not None:
         affine[2, 2] = above(zscale, "zscale")
-    elif isinstance(unit, str) and unit.lower() in _METRES and (crs.geographic or crs.unit > 0):
-        affine[2, 2] = _METRES[unit.lower()] / (1.0 if crs.geographic else crs.unit)
+    elif isinstance(unit, str) and unit.lower() in _METRES and (placed or crs.unit > 0):
+        affine[2, 2] = _METRES[unit.lower()] / (1.0 if crs.geographic or crs.unit == 0 else crs.unit)
+        if affine[2, 2] != 1 and crs.unit == 0:
+            warn(f"units: heights are in {unit}, and x and y are taken as metres, as there is no coordinate system (crs); zscale=1 if they "
+                 "are in the unit of heights")
     elif placed and not crs.geographic and crs.unit not in (0, 1):
         known = (name for metres, name in ((0.3048, "ft"), (1200 / 3937, "US survey ft")) if abs(crs.unit / metres - 1) < 1e-8)
         name = next(known, f"x {crs.unit:.9g} m")

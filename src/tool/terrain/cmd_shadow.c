@@ -75,6 +75,7 @@ static bool check(void *context, size_t *bands) {
     shadow_command *c = context;
     double sun[2] = {0, 0};
     (void)bands;
+    if (c->usual_disc && c->disc > 0) return command_refuse(name, "either --sun-disc or --disc");
     if (!product_parse_sun(name, c->sun, c->time, sun, &c->seconds)) return false;
     c->light.azimuth = sun[0];
     c->light.altitude = sun[1];

@@ -63,6 +63,10 @@ static void place(const source *s, io_raster *raster) {
     }
     OGRSpatialReferenceH crs = GDALGetSpatialRef(s->file);
     if (raster->georef.placed) gdal_describe_crs(crs, &raster->georef);
+    OGRAxisOrientation way = OAO_Other;
+    if (crs != NULL && OSRIsCompound(crs) && OSRGetAxis(crs, "VERT_CS", 0, &way) != NULL && way == OAO_Down)
+        gdal_warn(&s->options->warn, "%s: its vertical system counts depths; they are taken as heights, unturned",
+                  s->path);
 }
 
 static void describe_heights(source *s, io_raster *raster) {
