@@ -119,7 +119,7 @@ CW_API cw_status cw_shadow(const cw_terrain *terrain, const cw_run *run, const c
                            uint8_t *lit);
 /* share: of the light, 0 to 1; NaN at a hole. Each strip of the disc is cut exactly at the horizon along its middle
  * line; one that reaches the zenith is never hidden. Normals are Phong's (1975): the area-weighted mean of the
- * triangles at the sample; with hillshade NaN where it has none, among holes. */
+ * triangles at the sample; with hillshade, one without triangles has NaN too. */
 CW_API cw_status cw_sunlight(const cw_terrain *terrain, const cw_run *run, const cw_light *light, cw_area area,
                              float *share);
 
@@ -154,8 +154,8 @@ CW_API cw_status cw_horizon_angles(const cw_terrain *terrain, const cw_run *run,
 /* share: of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over directions of cos² of
  * the horizon's angle, where that is above the level (ambient occlusion, open sky weighted by cosine; Steyn 1980). With
  * CW_HORIZON_TILTED, that reaches the ground as it leans (Dozier and Frew 1990); a free tilted plane has
- * (1 + cos tilt) / 2, the sum over few directions may leave 0 to 1, and a sample without triangle, among holes, has
- * NaN. NaN at a hole. */
+ * (1 + cos tilt) / 2, the sum over few directions may leave 0 to 1, and a sample without triangles has NaN too. NaN at
+ * a hole. */
 CW_API cw_status cw_sky_view(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon, cw_area area,
                              float *share);
 

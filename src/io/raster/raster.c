@@ -79,19 +79,20 @@ void io_raster_smell(const char *path, const io_warner *warn, const io_raster *r
 /* A guess that is wrong makes relief 3.28 times too flat, or too steep. */
 static void tell_guessed_unit(const char *path, const io_raster_options *options, const io_raster *raster) {
     const io_georef *g = &raster->georef;
+    const bool stated = g->height_unit > 0;
+    const double metres = stated ? g->height_unit : g->unit;
     char unit[IO_UNIT_NAME];
-    if (options->zscale > 0 || !g->placed || g->geographic) return;
-    if (g->height_unit > 0 && g->height_unit != 1 && g->unit == 0 && options->cellsize == 0) {
-        io_unit_name(g->height_unit, unit);
+    if (options->zscale > 0 || !g->placed || g->geographic || metres == 0 || metres == 1) return;
+    if (stated && (g->unit > 0 || options->cellsize > 0)) return;
+    io_unit_name(metres, unit);
+    if (stated)
         io_warn(&options->warn,
                 "%s: heights are in %s, and x and y are taken as metres, as no coordinate system says; --zscale 1 if "
                 "they are in the unit of heights",
                 path, unit);
-    }
-    if (g->height_unit > 0 || g->unit == 0 || g->unit == 1) return;
-    io_unit_name(g->unit, unit);
-    io_warn(&options->warn, "%s: heights taken as %s, as x and y; --zscale %.5g if they are metres", path, unit,
-            1 / g->unit);
+    else
+        io_warn(&options->warn, "%s: heights taken as %s, as x and y; --zscale %.5g if they are metres", path, unit,
+                1 / g->unit);
 }
 
 static void smell_degrees(const char *path, const io_raster_options *options, const io_raster *raster) {
